@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/process.h"
+#include "sinew/core/units.h"
 #include "support/scratch_folder.h"
 
 /// `sinew serve` and those who talk to it, each a process of its own.
@@ -33,9 +34,8 @@ const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40d
 /// A server on a socket of its own.
 class Cell {
  public:
-  Cell()
-      : serve_(
-            {"serve", folder_.file("cell.toml", std::string(kTwoRobots)), "--socket", socket()}) {
+  explicit Cell(const std::string& text = std::string(kTwoRobots))
+      : serve_({"serve", folder_.file("cell.toml", text), "--socket", socket()}) {
     serve_.wait_for_err("answers on");
   }
   std::string socket() const { return folder_.at("cell.sock"); }
@@ -93,6 +93,40 @@ TEST(Cell, nudge_goes_as_far_as_it_says_and_no_farther_than_it_may) {
   EXPECT_EQ(unknown.exit, 2) << unknown.err;
   EXPECT_NE(unknown.err.find("needs a unit"), std::string::npos) << unknown.err;
   EXPECT_EQ(steps()["robots"][0]["state"], "off") << "nothing has moved";
+}
+
+TEST(Cell, nudge_until_probe_ends_where_the_boards_input_closes_and_says_where) {
+  const std::string robot = std::string(SINEW_SOURCE_DIR) + "/robots/examples/ar4-grbl.toml";
+  Process board({"sim", robot, "--json", "--fault", "probe=J2@1deg@0s"});
+  const std::string port = Json::parse(board.line_after(0)).at("port");
+  const Cell cell("title = \"Probe\"\n[[robot]]\nname = \"arm\"\nrobot = \"" + robot +
+                  "\"\nport = \"" + port + "\"\n");
+  const auto probe = [&](const char* joint, const char* way) {
+    return cell.ask({"nudge", "arm", joint, way, "--until-probe", "--json"});
+  };
+  const Ended stands = cell.ask({"stands", "arm", "home"});
+  ASSERT_EQ(stands.exit, 0) << stands.err;
+  const Ended none = probe("base", "1deg");
+  EXPECT_EQ(none.exit, 1);
+  EXPECT_NE(none.err.find("the probe input did not close within 1deg"), std::string::npos)
+      << none.err;
+  const Ended touched = probe("shoulder", "3deg");
+  ASSERT_EQ(touched.exit, 0) << touched.err;
+  EXPECT_NEAR(touched.json()["touched"]["position_rad"], from_deg(1), from_deg(0.01));
+  const Ended closed = probe("shoulder", "1deg");
+  EXPECT_EQ(closed.exit, 1);
+  EXPECT_NE(closed.err.find("closed before anything has moved"), std::string::npos) << closed.err;
+  EXPECT_EQ(cell.ask({"nudge", "arm", "shoulder", "-1deg"}).exit, 0);
+  EXPECT_EQ(probe("shoulder", "1.5deg").exit, 0) << "once more";
+}
+
+TEST(Cell, nudge_until_probe_is_refused_where_no_board_has_such_an_input) {
+  const Cell cell;
+  EXPECT_EQ(cell.ask({"stands", "big", "home"}).exit, 0);
+  const Ended refused = cell.ask({"nudge", "big", "base", "1deg", "--until-probe"});
+  EXPECT_EQ(refused.exit, 1) << refused.out;
+  EXPECT_NE(refused.err.find("no input that a probe could close"), std::string::npos)
+      << refused.err;
 }
 
 TEST(Bullride, one_seed_is_one_program_and_a_cell_rides_it) {

@@ -36,11 +36,12 @@ function machine(robot, fault, log) {
   };
 }
 
-let here, six, loose, folder;
+let here, six, loose, board, folder;
 before(async () => {
   folder = mkdtempSync(path.join(tmpdir(), 'sinew-device-'));
   six = machine('hexapod', 'supply=6.8V@0s', path.join(folder, 'six.log'));
   loose = machine('hexapod', 'lead=J3:loose@0s', path.join(folder, 'loose.log'));
+  board = machine(path.join(root, 'robots/examples/ar4-grbl.toml'), 'probe=J2@1deg@0s', path.join(folder, 'board.log'));
   here = await bench(`title = "Devices"
 
 [[robot]]
@@ -55,6 +56,12 @@ x_mm = 4000
 port = "${await loose.port()}"
 
 [[robot]]
+name = "six-axes"
+robot = "${path.join(root, 'robots/examples/ar4-grbl.toml')}"
+x_mm = 6000
+port = "${await board.port()}"
+
+[[robot]]
 name = "left"
 robot = "learm"
 profile = "bus"
@@ -65,6 +72,7 @@ after(async () => {
   await here?.end();
   await six?.end();
   await loose?.end();
+  await board?.end();
   if (folder) rmSync(folder, { recursive: true, force: true });
 });
 afterEach(() => here.clear());
@@ -129,6 +137,24 @@ test('step loss of one leg: its flags, what is known of its position, and what t
   const after = await legs();
   assert.ok(Math.abs(after[2] - before[2]) < 5e-3, 'without current it went nowhere but to its next full step');
   await here.close(page, 'device_step_loss');
+});
+
+test('a board’s inputs: a probe that closes, and where that was', async () => {
+  const name = 'six-axes';
+  const page = await at(name);
+  await page.evaluate((robot) => void globalThis.__sinew.store.enable(robot), name);
+  await until('ready', async () => (await seen(page, name)).state === 'ready');
+  const inputs = part(page, 'Inputs');
+  await inputs.getByText('open', { exact: true }).waitFor();
+  const call = (method, params) =>
+    page.evaluate(([what, more]) => globalThis.__sinew.rpc.call(what, more), [method, { robot: name, ...params }]);
+  await call('robot.declare', {});
+  await call('robot.nudge', { joint: 'shoulder', way: 0.05, until_probe: true });
+  await inputs.getByText('closed', { exact: true }).waitFor();
+  await inputs.getByText(/shoulder at 1\.00\d°/).waitFor();
+  const { q_deg } = (await board.truth()).joints[1];
+  assert.ok(q_deg > 1 && q_deg < 1.2, `it stands just behind it: ${q_deg}`);
+  await here.close(page, 'device_inputs');
 });
 
 test('a fault says in German what happened, what it means and what to do, and goes only by being acknowledged', async () => {

@@ -137,6 +137,8 @@ const codes: Record<string, string> = {
   servo_range:
     'Das Servo von {subject} geht nach seiner eigenen Grenze bis {measured}, und die Datei des Roboters sagt {limit}: die Grenzen des Servos weiten oder die der Datei enger setzen',
   supply_high: 'Die Versorgung liegt bei {measured}, und die Servos vertragen {limit}: sofort ausschalten',
+  no_probe: 'Dieses Gerät hat keinen Eingang für einen Taster',
+  probe_closed: 'Der Eingang des Tasters ist schon geschlossen, bevor sich etwas bewegt hat: den Taster von dem nehmen, was er berührt; berührt er nichts, sind seine Drähte oder die Einstellung $6 der Platine verkehrt herum',
   overloaded: 'Das Servo von {subject} ist überlastet und schützt sich: die Last wegnehmen, dann quittieren',
 };
 

@@ -60,6 +60,8 @@ export const remediesDe: Record<keyof typeof remediesEn, string> = {
   'fault.supply_low.do': 'Nach Netzteil, Kabel und Last sehen; einen Akku laden. Dann quittieren und einschalten.',
   'fault.supply_high.means': 'Mehr Spannung, als die Servos vertragen, zerstört sie: ein Servo für 7.4 V lebt an 12 V nicht lange.',
   'fault.supply_high.do': 'Die Versorgung ausschalten und eine mit der Spannung der Servos nehmen. Dann quittieren und einschalten.',
+  'fault.probe_closed.means': 'Der Eingang des Tasters war geschlossen, bevor sich das Gelenk bewegt hat; die Platine hat deshalb nichts bewegt.',
+  'fault.probe_closed.do': 'Den Taster von dem nehmen, was er berührt, und seine Drähte ansehen. Dann quittieren und einschalten.',
   'fault.overloaded.means': 'Ein Servo hat zu lange zu stark gedrückt und hält jetzt mit einem Teil seiner Kraft.',
   'fault.overloaded.do': 'Die Last wegnehmen, oder was im Weg ist. Dann quittieren und einschalten. Kommt es sofort wieder, die Versorgung aus- und einschalten.',
   'fault.servo_silent.means': 'Ein Servo antwortet nicht, und die Position seines Gelenks ist nicht bekannt.',

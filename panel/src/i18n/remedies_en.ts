@@ -61,6 +61,8 @@ export const remediesEn = {
   'fault.supply_low.do': 'Look at power supply, cable and load; charge the battery where there is one. Then acknowledge and enable the robot.',
   'fault.supply_high.means': 'More voltage than the servos bear destroys them: a servo for 7.4 V does not live long on 12 V.',
   'fault.supply_high.do': 'Switch the supply off, and use one of the servos’ voltage. Then acknowledge and enable the robot.',
+  'fault.probe_closed.means': 'The probe’s input was closed before the joint had moved, so the board refused to go on.',
+  'fault.probe_closed.do': 'Take the probe off what it touches, and look at its wires. Then acknowledge and enable the robot.',
   'fault.overloaded.means': 'A servo pushed too hard for too long, and now holds with a part of its torque.',
   'fault.overloaded.do': 'Take the load away, or what is in the way. Then acknowledge and enable the robot. Where it comes again at once, switch the supply off and on.',
   'fault.servo_silent.means': 'One servo does not reply, and where its joint is is not known.',

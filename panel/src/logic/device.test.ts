@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ageText, degrees, servoRows, statusBytes, warned, type LegJson } from './device';
+import { ageText, closedInputs, degrees, servoRows, statusBytes, touchText, warned, type LegJson } from './device';
 
 describe('warnings', () => {
   it('are one row a thing with all its joints, the grave ones first', () => {
@@ -61,5 +61,17 @@ describe('numbers', () => {
     expect(degrees(undefined)).toBe('–');
     expect(ageText(0.02)).toBe('0.10 s');
     expect(ageText(75)).toBe('1 min 15 s');
+  });
+});
+
+describe('inputs of a board', () => {
+  const inputs = { state: 'Idle', probe: true, door: false, hold: true, reset: false, start: false, emergency_stop: true, end_stops: [] };
+  it('names those that are closed besides the probe', () => {
+    expect(closedInputs(inputs)).toEqual(['hold', 'emergency_stop']);
+  });
+  it('says where a joint was, in its own unit', () => {
+    expect(touchText({ position_rad: Math.PI / 2 })).toBe('90.000°');
+    expect(touchText({ position_m: 0.0125 })).toBe('12.500 mm');
+    expect(touchText({})).toBe('–');
   });
 });

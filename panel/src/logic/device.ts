@@ -94,6 +94,18 @@ export interface BusServoJson extends Heard {
   width_m?: number;
 }
 
+/** What a board's inputs show; all but `state` and `end_stops` are closed where they are true. */
+export interface InputsJson extends Heard {
+  state: string;
+  probe: boolean;
+  door: boolean;
+  hold: boolean;
+  reset: boolean;
+  start: boolean;
+  emergency_stop: boolean;
+  end_stops: string[];
+}
+
 export interface DeviceJson {
   robot: string;
   port: string;
@@ -123,6 +135,9 @@ export interface DeviceJson {
   };
   axes?: AxisJson[];
   bus_servos?: BusServoJson[];
+  firmware?: string;
+  inputs?: InputsJson;
+  touched?: Heard & { joint: string; position_rad?: number; position_m?: number };
   reports_status?: boolean;
   round_s?: number;
 }
@@ -137,6 +152,14 @@ export interface Warned {
   age?: number;
   grave: boolean;
 }
+
+/** Inputs that are closed besides the probe and the end stops, by name. */
+export const closedInputs = (inputs: InputsJson): string[] =>
+  (['door', 'hold', 'reset', 'start', 'emergency_stop'] as const).filter((one) => inputs[one]);
+
+/** Where a joint was when the probe closed; a dash where that is not known. */
+export const touchText = (touched: { position_rad?: number; position_m?: number }): string =>
+  touched.position_m === undefined ? degrees(touched.position_rad, 3) : `${decimals(1000 * touched.position_m, 3)} mm`;
 
 /** One row a thing, whichever joints have it; the grave ones first. */
 export function warned(warnings: readonly DeviceWarning[]): Warned[] {

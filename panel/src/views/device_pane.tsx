@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
-import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type BusServoJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
+import { ageText, closedInputs, degrees, servoRows, statusBytes, touchText, warned, type AxisJson, type BusServoJson, type DeviceJson, type GroupJson, type Heard, type InputsJson, type LegJson, type ServoJson, type Warned } from '../logic/device';
 import { decimals } from '../logic/units';
 import { Icon } from './parts';
 
@@ -21,6 +21,7 @@ export function DevicePane(): JSX.Element {
       {told.wire === 'bigrobotarm' && <BigRobotArm told={told} />}
       {told.bus_servos && <BusServos servos={told.bus_servos} />}
       {told.axes && <Axes told={told} axes={told.axes} />}
+      {told.inputs && <Inputs told={told} inputs={told.inputs} />}
       <Line told={told} />
       <p class="hint">{tWord('device.about', told.wire)}</p>
     </div>
@@ -325,6 +326,30 @@ function BusServos({ servos }: { servos: BusServoJson[] }): JSX.Element {
           ))}
         </tbody>
       </table>
+    </Part>
+  );
+}
+
+// --- A board with inputs of its own.
+
+function Inputs({ told, inputs }: { told: DeviceJson; inputs: InputsJson }): JSX.Element {
+  const others = closedInputs(inputs);
+  return (
+    <Part name={t('device.inputs')} heard={inputs} state={tWord('device.firmware', told.firmware ?? '')}>
+      <Values
+        rows={[
+          [t('device.inputs.state'), inputs.state],
+          [t('device.inputs.probe'), t(inputs.probe ? 'device.inputs.closed' : 'device.inputs.open')],
+          told.touched
+            ? [
+                t('device.inputs.touched'),
+                t('device.inputs.touched.at', { joint: told.touched.joint, place: touchText(told.touched), age: ageText(told.touched.age_s ?? 0) }),
+              ]
+            : null,
+          [t('device.inputs.end_stops'), inputs.end_stops.join(', ') || t('device.none')],
+          [t('device.inputs.others'), others.map((one) => tWord('device.input', one)).join(', ') || t('device.none')],
+        ]}
+      />
     </Part>
   );
 }

@@ -41,6 +41,8 @@ struct Home {
 struct Nudge {
   std::uint8_t joint = 0;
   double way = 0;  ///< rad or m, at most the device's nudge_max
+  /// It ends where the device's probe input closes, and goes slower.
+  bool probes = false;
 };
 /// A velocity, from now on; the first one begins a jog, which ends where none follows.
 struct JogAt {

@@ -75,6 +75,8 @@ class Controller {
   static constexpr double kSag = 0.05;
   /// Share of a joint's speed with which it is moved while nobody knows where it is.
   static constexpr double kNudgeShare = 0.1;
+  /// .. and of one that ends where a probe touches.
+  static constexpr double kProbeShare = 0.02;
 
   /// @param robot, driver  outlive this. The driver is closed.
   Controller(const RobotModel& robot, Driver& driver, const ControllerSettings& settings,

@@ -271,6 +271,9 @@ Expected<void> Controller::nudge(const Command& command, const Nudge& nudge, Ins
   if (const auto passed = governor_.pass_nudge(nudge.joint, nudge.way, positions()); !passed) {
     return passed;
   }
+  if (nudge.probes) {
+    if (const auto may = driver_.may_probe(); !may) return may;
+  }
   task_ = Task{command.id, TaskKind::kNudge, nullptr, now, false, nudge};
   change(Signal::kRecover);
   return {};

@@ -89,9 +89,12 @@ void Controller::begin_nudge(Instant now) {
     offer(journal_->reserve({driver_.positions(), reach, reach}, time(now)));
     if (!journal_->may_send(reach)) return;
   }
-  const double speed = kNudgeShare * robot_.joints[nudge.joint].velocity_max;
+  const double share = nudge.probes ? kProbeShare : kNudgeShare;
+  const double speed = share * robot_.joints[nudge.joint].velocity_max;
   const Duration duration = from_seconds(std::abs(nudge.way) / speed);
-  if (const auto accepted = driver_.nudge(nudge.joint, nudge.way, duration, now); !accepted) {
+  const auto accepted = nudge.probes ? driver_.probe(nudge.joint, nudge.way, duration, now)
+                                     : driver_.nudge(nudge.joint, nudge.way, duration, now);
+  if (!accepted) {
     return piece_refused(accepted.error(), now);
   }
   task_->begun = true;

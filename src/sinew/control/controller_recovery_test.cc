@@ -195,6 +195,27 @@ TEST(Recovery, what_is_no_small_step_of_one_joint_is_refused_and_nothing_moves) 
   EXPECT_EQ(cell.driver.nudges.size(), 1U);
 }
 
+TEST(Recovery, a_step_that_ends_where_a_probe_touches_is_slow_and_the_machine_goes_on_from_there) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  cell.driver.probe_fault = Error{ErrorCode::kProbeClosed};
+  const std::uint32_t closed = cell.give(Nudge{0, from_deg(1), true});
+  ASSERT_TRUE(cell.end_of(closed));
+  EXPECT_EQ(cell.end_of(closed)->kind, Kind::kRefused);
+  EXPECT_EQ(cell.end_of(closed)->error.code, ErrorCode::kProbeClosed);
+  EXPECT_EQ(cell.controller.state(), MachineState::kReady);
+  EXPECT_TRUE(cell.driver.nudges.empty());
+  cell.driver.probe_fault.reset();
+  const double before = (*cell.controller.reference())[0];
+  const std::uint32_t id = cell.give(Nudge{0, from_deg(1), true});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 30s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  ASSERT_EQ(cell.driver.probe_durations.size(), 1U);
+  const double slow = from_deg(1) / (Controller::kProbeShare * cell.robot.joints[0].velocity_max);
+  EXPECT_NEAR(to_seconds(cell.driver.probe_durations[0]), slow, 1e-6);
+  EXPECT_DOUBLE_EQ((*cell.controller.reference())[0], before + from_deg(0.5));
+}
+
 TEST(Recovery, a_device_that_moves_to_places_only_takes_no_small_steps) {
   ControlCell cell("learm");
   cell.driver.lose(0);

@@ -102,6 +102,15 @@ class PretendDriver final : public Driver {
     own.q += way, own.lower += way, own.upper += way;
     return {};
   }
+  Expected<void> may_probe() const override {
+    if (probe_fault) return std::unexpected(*probe_fault);
+    return {};
+  }
+  /// Touches half way.
+  Expected<void> probe(std::size_t joint, double way, Duration duration, Instant now) override {
+    probe_durations.push_back(duration);
+    return nudge(joint, way / 2, duration / 2, now);
+  }
   Expected<void> tool(const ToolAction&, Instant now) override {
     state_ = DriverState::kMoving;
     homing_until_ = now + 200ms;
@@ -207,6 +216,8 @@ class PretendDriver final : public Driver {
   std::optional<Error> refusal;
   std::vector<JointMove> pieces;
   std::vector<double> nudges;
+  std::optional<Error> probe_fault;
+  std::vector<Duration> probe_durations;
   std::vector<std::uint8_t> homed;  ///< joints of each search
   std::optional<std::size_t> searching;
   std::vector<DeviceService> services;

@@ -363,6 +363,12 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "the servo of {subject} is overloaded and protects itself: take the load away, then "
      "acknowledge",
      kNone, true, kHold, 503},
+    {kNoProbe, "no_probe", "this device has no input that a probe could close", kNone, true,
+     kNoStop, 422},
+    {kProbeClosed, "probe_closed",
+     "the probe input is closed before anything has moved: take the probe off what it touches; "
+     "where it touches nothing, its wires or the board's setting $6 are the wrong way round",
+     kNone, true, kHold, 409},
 });
 
 /// Of the same codes where bodies are in one another.

@@ -126,9 +126,11 @@ enum class ErrorCode : std::uint8_t {
   kServoMode,          ///< index: joint; its servo is set up as a wheel, not to hold positions
   kServoSeries,        ///< index: joint; its servo is of a series with other bytes
   kServoTurns,         ///< index: joint; measured: what its servo counts, limit: of one turn
-  kServoRange,  ///< index: joint; measured: where its servo's own limit ends it, limit: the file's
-  kSupplyHigh,  ///< measured, limit: V
-  kOverloaded,  ///< index: joint; its servo protects itself and holds with a part of its torque
+  kServoRange,   ///< index: joint; measured: where its servo's own limit ends it, limit: the file's
+  kSupplyHigh,   ///< measured, limit: V
+  kOverloaded,   ///< index: joint; its servo protects itself and holds with a part of its torque
+  kNoProbe,      ///< the device has no input that ends a way where it closes
+  kProbeClosed,  ///< .. and it is closed before the way begins
 };
 
 }  // namespace sinew

@@ -15,7 +15,7 @@ TEST(Error, table_stands_in_the_order_of_the_codes) {
     EXPECT_FALSE(table[i].name.empty());
     EXPECT_FALSE(describe({.code = table[i].code}).empty());
   }
-  EXPECT_EQ(table.back().code, ErrorCode::kOverloaded) << "the last enumerator has no row";
+  EXPECT_EQ(table.back().code, ErrorCode::kProbeClosed) << "the last enumerator has no row";
 }
 
 TEST(Error, sentence_speaks_in_mm_and_degrees) {

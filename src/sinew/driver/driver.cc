@@ -10,6 +10,14 @@ Expected<void> Driver::nudge(std::size_t, double, Duration, Instant) {
   return std::unexpected(Error{ErrorCode::kTaskNotSupported});
 }
 
+Expected<void> Driver::probe(std::size_t, double, Duration, Instant) {
+  return may_probe();
+}
+
+Expected<void> Driver::may_probe() const {
+  return std::unexpected(Error{ErrorCode::kNoProbe});
+}
+
 Expected<void> Driver::home(Instant, std::uint8_t) {
   return std::unexpected(Error{ErrorCode::kTaskNotSupported});
 }

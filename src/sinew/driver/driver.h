@@ -170,6 +170,14 @@ class Driver {
   ///        (less than a unit, or more than the driver's bound), kLegLength
   virtual Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now);
 
+  /// nudge() that ends where the device's probe input closes, if it does on the way; kDone follows
+  /// in both cases, and facts() say which it was.
+  /// @error nudge()'s, and those of may_probe()
+  virtual Expected<void> probe(std::size_t joint, double way, Duration duration, Instant now);
+
+  /// @error kNoProbe (it has no such input), kProbeClosed (it is closed already)
+  virtual Expected<void> may_probe() const;
+
   /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.
   virtual void stop(Instant now) = 0;
 

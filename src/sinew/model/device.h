@@ -48,6 +48,8 @@ struct DeviceCapability {
   /// Its motors can be switched off and on again by themselves, and positions are measured
   /// meanwhile: the arm can be guided by hand.
   bool free_drive = false;
+  /// It has an input that ends a joint's way where it closes.
+  bool probes = false;
 };
 
 /// What is left as it is here is the ideal device.

@@ -22,14 +22,15 @@ std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const
                                             const std::string& name) {
   if (!timed.unit || *timed.unit == joint.kind) return {};
   const bool leg = joint.slides();
-  const bool block = timed.what.kind == Kind::kBlock;
+  const bool load = timed.what.kind == Kind::kLoad;
   std::string right;
-  if (block) {
+  if (!load) {
     right = leg ? "its place is a length, as 12mm" : "its place is an angle, as 20deg";
   } else {
     right = leg ? "its load is a force, as 2N" : "its load is a torque, as 0.5Nm";
   }
-  return std::unexpected((block ? "block=" : "load=") + name + ": " + joint.name +
+  const std::string item = load ? "load=" : timed.what.kind == Kind::kBlock ? "block=" : "probe=";
+  return std::unexpected(item + name + ": " + joint.name +
                          (leg ? " is a leg; " : " is a joint that turns; ") + right);
 }
 
@@ -77,6 +78,10 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
     if (timed.what.kind == Kind::kLead && !robot.device.settings->watches_leads()) {
       return std::unexpected("lead=" + name + ": " + robot.id +
                              " has no module that watches the leads of its motors");
+    }
+    if (timed.what.kind == Kind::kProbe && !robot.device.capability.probes) {
+      return std::unexpected("probe=" + name + ": the device of " + robot.id +
+                             " has no probe input");
     }
     if (auto fine = check_unit(timed, robot.joints[joint], name); !fine) return fine;
     if (auto fine = check_undoing(plan, timed, name); !fine) return fine;

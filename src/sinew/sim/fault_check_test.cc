@@ -78,10 +78,15 @@ TEST(FaultCheck, what_fits_is_let_through) {
   EXPECT_EQ(refusal("hexapod", "block=J6@12mm@1s,unblock=J6@2s,load=J1:2N@1s,payload=1kg@0s"), "");
 }
 
+TEST(FaultCheck, only_a_device_that_has_the_input_has_a_probe) {
+  EXPECT_EQ(refusal("learm", "probe=J2@20deg@1s"),
+            "probe=J2: the device of learm has no probe input");
+}
+
 TEST(FaultCheck, the_unit_survives_being_printed) {
-  const auto plan = parse_faults("block=J6@12mm@1s,load=J1:2N@1s,load=J2:2Nm@1s");
+  const auto plan = parse_faults("block=J6@12mm@1s,probe=J2@12mm@1s,load=J1:2N@1s,load=J2:2Nm@1s");
   ASSERT_TRUE(plan);
-  EXPECT_EQ(to_text(*plan), "block=J6@0.012m@1s,load=J1:2N@1s,load=J2:2Nm@1s");
+  EXPECT_EQ(to_text(*plan), "block=J6@0.012m@1s,probe=J2@0.012m@1s,load=J1:2N@1s,load=J2:2Nm@1s");
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ struct LinkFaultSpec {
 struct TimedDisturbance {
   Duration at{};
   Disturbance what;
-  /// kBlock and kLoad: the kind of joint that the text's unit belongs to.
+  /// kBlock, kProbe and kLoad: the kind of joint that the text's unit belongs to.
   std::optional<JointKind> unit = std::nullopt;
 };
 
@@ -82,12 +82,12 @@ struct FaultPlan {
 ///     seed=N
 ///     supply=12V@TIME  payload=0.5kg@TIME  block=J2@20deg@TIME  unblock=J2@TIME
 ///     magnet=J3:off@TIME  magnet=J3:on@TIME  load=J1:0.5Nm@TIME
-///     coupling=J3:slips@TIME  coupling=J3:holds@TIME
+///     coupling=J3:slips@TIME  coupling=J3:holds@TIME  probe=J2@20deg@TIME
 ///
-/// TIME is a number with ms, s or min; a block's place has deg, rad, mm or m; a load Nm or N.
-/// An error: an item that says again, or replaces, what an earlier one says of the same moment; one
-/// that says nothing (a chance of 0, a cut of 0 s, a seed without a chance); a number that is none,
-/// or outside the ranges of docs/faults.md; a text without an item.
+/// TIME is a number with ms, s or min; a block's and a probe's place has deg, rad, mm or m; a load
+/// Nm or N. An error: an item that says again, or replaces, what an earlier one says of the same
+/// moment; one that says nothing (a chance of 0, a cut of 0 s, a seed without a chance); a number
+/// that is none, or outside the ranges of docs/faults.md; a text without an item.
 /// @param joints  of the machine: J1 to as many.
 /// @error  one sentence that names the item and says what would be right.
 std::expected<FaultPlan, std::string> parse_faults(std::string_view text,

@@ -22,9 +22,9 @@ constexpr double kPayloadMax = 100;  // kg
 constexpr double kLoadMax = 1000;    // Nm, N
 constexpr double kAngleMax = 100;    // rad
 constexpr double kLengthMax = 10;    // m
-constexpr std::array<std::string_view, 15> kItems{
+constexpr std::array<std::string_view, 16> kItems{
     "drop",    "duplicate", "flip",    "delay",  "cut",  "half-open", "seed", "supply",
-    "payload", "block",     "unblock", "magnet", "load", "coupling",  "lead"};
+    "payload", "block",     "unblock", "magnet", "load", "coupling",  "lead", "probe"};
 
 std::string in_quotes(std::string_view text) {
   return "\"" + printable(text) + "\"";
@@ -335,11 +335,12 @@ class ItemReader {
       if (!(out.value >= 0 && out.value <= kPayloadMax)) return wrong("a payload is 0..100 kg");
       return {};
     }
-    const char separator = name_ == "block" ? '@' : ':';
+    const bool has_place = name_ == "block" || name_ == "probe";
+    const char separator = has_place ? '@' : ':';
     if (auto read = read_joint(take_until(what, separator), out.joint); !read) return read;
     const std::string_view value = trimmed(what);
-    if (name_ == "block") {
-      out.kind = Kind::kBlock;
+    if (has_place) {
+      out.kind = name_ == "block" ? Kind::kBlock : Kind::kProbe;
       return read_place(value, timed);
     }
     if (name_ == "load") {
@@ -447,7 +448,9 @@ std::string text_of(const TimedDisturbance& timed) {
     case Kind::kPayload:
       return "payload=" + value + "kg" + at;
     case Kind::kBlock:
-      return "block=" + joint + "@" + value + (leg ? "m" : "rad") + at;
+    case Kind::kProbe:
+      return (timed.what.kind == Kind::kBlock ? "block=" : "probe=") + joint + "@" + value +
+             (leg ? "m" : "rad") + at;
     case Kind::kUnblock:
       return "unblock=" + joint + at;
     case Kind::kMagnet:

@@ -49,6 +49,7 @@ struct Disturbance {
     kLoad,      ///< extra torque on the joint, Nm (force on a leg, N)
     kCoupling,  ///< of the joint's encoder: 0 slips, so that the encoder stands still; 1 holds
                 ///< again
+    kProbe,     ///< joint closes its board's probe input at `value` (rad or m) and beyond it
     kLead,      ///< of the joint's stepper, to its module: 0 hangs loose, so that its contact goes
                 ///< with the next motion; 1 is fast again
   } kind = Kind::kSupply;

@@ -110,6 +110,31 @@ bool is_length(const std::string& name, const Json& joints) {
   return joints[0].contains("home_m");
 }
 
+/// Where the joint was when the probe closed; no success where it did not.
+void add_touch(CellConnection& cell, const CellRequest& request, Outcome& outcome) {
+  const auto device = cell.call("device.status", {{"robot", request.robot}});
+  if (!device) {
+    outcome = device.error();
+    return;
+  }
+  if (!device->contains("touched")) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint = "the probe input did not close within " + request.way;
+    return;
+  }
+  const Json& touched = (*device)["touched"];
+  const std::string joint = touched["joint"];
+  outcome.json["touched"] = touched;
+  const bool slides = touched.contains("position_m");
+  if (!slides && !touched.contains("position_rad")) {
+    outcome.text += "  the probe closed; where " + joint + " is is not known\n";
+    return;
+  }
+  const double at = touched[slides ? "position_m" : "position_rad"];
+  outcome.text += fmt::format("  the probe closed at {} {:.3f} {}\n", joint,
+                              slides ? 1e3 * at : to_deg(at), slides ? "mm" : "deg");
+}
+
 }  // namespace
 
 Outcome cell_jog(const CellRequest& request) {
@@ -157,7 +182,10 @@ Outcome cell_nudge(const CellRequest& request) {
   const io::Clock clock;
   if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
   if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
-  const Json params{{"robot", request.robot}, {"joint", request.joint}, {"way", *way}};
+  const Json params{{"robot", request.robot},
+                    {"joint", request.joint},
+                    {"way", *way},
+                    {"until_probe", request.until_probe}};
   if (const auto begun = cell->call("robot.nudge", params); !begun) return begun.error();
   bool stopped = false;
   while (true) {
@@ -172,6 +200,8 @@ Outcome cell_nudge(const CellRequest& request) {
       } else if (stopped) {
         outcome.exit = ExitCode::kCouldNot;
         outcome.complaint = "stopped on the way";
+      } else if (request.until_probe) {
+        add_touch(*cell, request, outcome);
       }
       return outcome;
     }

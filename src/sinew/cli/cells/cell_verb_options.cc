@@ -111,6 +111,8 @@ void CellVerbs::add_position() {
   verb->add_option("ROBOT", request_.robot, kRobot)->required();
   verb->add_option("JOINT", request_.joint, "its name")->required();
   verb->add_option("WAY", request_.way, "as in 0.2mm or -1deg")->required();
+  verb->add_flag("--until-probe", request_.until_probe,
+                 "ends where the device's probe input closes, and says where that was");
   verb->add_flag("--take-over", request_.take_over, kTakeOver);
   verb = add_asking("free", "switches a robot's motors off, to guide the arm by hand",
                     "sinew free arm", cell_free);

@@ -21,6 +21,7 @@ struct CellRequest {
   std::optional<std::string> moved;        ///< of `recover`: why what was known does not count
   std::string joint;                       ///< of `nudge`
   std::string way;                         ///< of `nudge`
+  bool until_probe = false;                ///< of `nudge`
   std::optional<std::string> answers;      ///< of a procedure: a file; else somebody types
   bool zero_counters = false;              ///< of `stands`: the device counts from there
   bool anew = false;                       ///< of `commission`

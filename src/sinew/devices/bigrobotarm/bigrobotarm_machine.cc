@@ -278,6 +278,7 @@ void BigRobotArmMachine::disturb(const Disturbance& what) {
     case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
     case Disturbance::Kind::kLead:
+    case Disturbance::Kind::kProbe:
       break;  // it has none
   }
   update_load();

@@ -2,6 +2,7 @@
 #include "sinew/devices/grbl/grbl_file.h"
 #include "sinew/devices/grbl/grbl_listener.h"
 #include "sinew/devices/grbl/grbl_machine.h"
+#include "sinew/devices/grbl/grbl_view.h"
 #include "sinew/devices/kind.h"
 
 namespace sinew {
@@ -41,6 +42,7 @@ const DeviceKind kGrblKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = grbl_view,
     .silence_hint = silence_hint,
 };
 

@@ -27,6 +27,7 @@ constexpr std::uint16_t kHomingOnly = 46;
 // ALARM:N
 constexpr std::uint16_t kHardLimit = 1;
 constexpr std::uint16_t kResetInMotion = 3;
+constexpr std::uint16_t kProbeClosed = 4;
 constexpr std::uint16_t kHomingReset = 6;
 constexpr std::uint16_t kStaysClosed = 8;
 constexpr std::uint16_t kNoSwitch = 9;
@@ -91,6 +92,7 @@ void GrblDevice::power_up(Instant now) {
 void GrblDevice::begin() {
   planner_.clear();
   search_ = Search::kNone;
+  probes_ = false;
   received_.clear();
   lines_.reset();
   line_waits_ = critical_ = false;
@@ -142,6 +144,7 @@ void GrblDevice::step(Duration dt) {
     critical_ = true;
     return alarm(kHardLimit);
   }
+  if (probes_) step_probing();
   settle();
 }
 
@@ -188,8 +191,25 @@ void GrblDevice::step_homing() {
   read_lines();
 }
 
+/// It brakes where its input has closed, and tells the place of that.
+void GrblDevice::step_probing() {
+  if (probe_closed_ && !touched_ && state_ == State::kRun) {
+    touched_.emplace();
+    for (std::size_t i = 0; i < zero_.size(); ++i) touched_->push_back(believed(i));
+    planner_.hold();
+  }
+  if (touched_ && planner_.at_rest()) planner_.clear();
+  if (!planner_.empty()) return;
+  Values end;
+  for (std::size_t i = 0; i < zero_.size(); ++i) end.push_back(believed(i));
+  probes_ = false;
+  say(Probed{touched_.value_or(end), touched_.has_value()});
+  say(Ok{});
+}
+
 void GrblDevice::alarm(std::uint16_t code) {
   planner_.clear();
+  probes_ = false;
   search_ = Search::kNone;
   alarm_ = code;
   state_ = State::kAlarm;
@@ -255,9 +275,9 @@ void GrblDevice::reset() {
   begin();
 }
 
-/// No line is read while it holds or looks for switches, nor a motion without room for it.
+/// No line is read while it holds, probes or looks for switches, nor a motion without room for it.
 void GrblDevice::read_lines() {
-  while (state_ != State::kHold && search_ == Search::kNone) {
+  while (state_ != State::kHold && search_ == Search::kNone && !probes_) {
     if (!line_waits_) {
       if (received_.empty()) return;
       const std::uint8_t byte = received_[0];
@@ -285,6 +305,7 @@ void GrblDevice::answer(std::string_view line) {
 void GrblDevice::answer(const Request& request) {
   if (const auto* move = std::get_if<Move>(&request)) return answer(*move);
   if (const auto* jog = std::get_if<Jog>(&request)) return answer(*jog);
+  if (const auto* probe = std::get_if<Probe>(&request)) return answer(*probe);
   if (std::holds_alternative<AskSettings>(request)) return show_settings();
   if (std::holds_alternative<AskBuild>(request)) return show_build();
   if (const auto* offset = std::get_if<ToolOffset>(&request)) {
@@ -330,6 +351,19 @@ void GrblDevice::answer(const Jog& jog) {
   say(Ok{});
 }
 
+void GrblDevice::answer(const Probe& probe) {
+  if (state_ != State::kIdle) return say(Refused{state_ == State::kAlarm ? kLocked : kNotIdle});
+  if (probe.axis >= zero_.size()) return say(Refused{kUnsupported});
+  if (probe_closed_) return alarm(kProbeClosed);
+  Values to = planner_.position();
+  to[probe.axis] += probe.by;
+  planner_.push(rounded(to), std::max(std::abs(probe.by) * 60 / probe.rate, kDurationMin));
+  probes_ = true;
+  touched_.reset();
+  if (!planner_.empty()) state_ = State::kRun;
+  step_probing();
+}
+
 /// To whole steps.
 Values GrblDevice::rounded(const Values& motor) const {
   Values to = motor;
@@ -364,10 +398,11 @@ Status GrblDevice::status() {
     status.offset->resize(zero_.size());
     if (zero_.size() > 2) (*status.offset)[2] = tool_z_;
   }
-  if (switches_ != 0 || emergency_) {
+  if (switches_ != 0 || emergency_ || probe_closed_) {
     status.pins.emplace();
     status.pins->limits = switches_;
     status.pins->emergency_stop = emergency_;
+    status.pins->probe = probe_closed_;
   }
   return status;
 }

@@ -41,6 +41,8 @@ struct BoardSettings {
 ///   kRun   | the last motion is over                    | kIdle
 ///   kRun   | `!`                                        | kHold; `~`: kRun
 ///   kIdle  | jog                                        | kJog; over, or cancelled: kIdle
+///   kIdle  | probe                                      | kRun; touched, or over: kIdle
+///   kIdle  | probe, whose input is closed               | kAlarm (4)
 ///   kIdle, kAlarm | `$H`                                | kHome; each axis found: kIdle
 ///   any    | reset (0x18): at rest                      | kIdle, or kAlarm as before
 ///   any    | reset in a motion                          | kAlarm (3, 6), position not known
@@ -67,6 +69,7 @@ class GrblDevice {
 
   /// Switches that are closed from now on.
   void set_switches(AxisMask closed) { switches_ = closed; }
+  void set_probe(bool closed) { probe_closed_ = closed; }
   void set_emergency_stop(bool pressed);
   /// Its power is away until power_up().
   void lose_power();
@@ -80,6 +83,7 @@ class GrblDevice {
   void step(Duration dt);
   void settle();
   void step_homing();
+  void step_probing();
   void begin_search(std::size_t axis, Search phase);
   void real_time(RealTime what);
   void read_lines();
@@ -87,6 +91,7 @@ class GrblDevice {
   void answer(const Request& request);
   void answer(const Move& move);
   void answer(const Jog& jog);
+  void answer(const Probe& probe);
   void show_settings();
   void show_build();
   void say(const Reply& reply);
@@ -108,6 +113,9 @@ class GrblDevice {
   bool emergency_ = false;
   bool critical_ = false;  ///< hears nothing but a reset
   AxisMask switches_ = 0;
+  bool probe_closed_ = false;
+  bool probes_ = false;            ///< a probe's way is under way
+  std::optional<Values> touched_;  ///< where its input closed, and it brakes
   std::size_t homing_axis_ = 0;
   Search search_ = Search::kNone;
 

@@ -116,6 +116,42 @@ TEST_F(GrblBoard, resumes_where_it_held) {
   EXPECT_EQ(answer("?"), "<Idle|MPos:10.000,5.000>");
 }
 
+TEST_F(GrblBoard, a_probe_ends_where_its_input_closes_and_says_where_that_was) {
+  begin(two_axes());
+  EXPECT_EQ(answer("G21G91G94G38.3Y10.000F600.000\n"), "") << "answered when it stands";
+  run(500ms);
+  const double here = board->believed(1);
+  EXPECT_GT(here, 1);
+  board->set_probe(true);
+  EXPECT_EQ(answer("?").substr(0, 4), "<Run");
+  run(500ms);
+  const auto lines = take();
+  ASSERT_EQ(lines.size(), 2U);
+  const auto probed = decode_reply(lines[0]);
+  ASSERT_TRUE(probed && std::holds_alternative<Probed>(*probed)) << lines[0];
+  EXPECT_NEAR(std::get<Probed>(*probed).at[1], here, 0.02) << "a tick at 10 a second, and a step";
+  EXPECT_EQ(lines[1], "ok");
+  EXPECT_GT(board->believed(1), here) << "it brakes";
+  EXPECT_LT(board->believed(1), here + 1);
+  EXPECT_TRUE(answer("?").ends_with("|Pn:P>"));
+}
+
+TEST_F(GrblBoard, a_probe_that_touches_nothing_ends_where_its_way_does) {
+  begin(two_axes());
+  say("G21G91G94G38.3X2.000F600.000\n");
+  run(1s);
+  EXPECT_EQ(take(), (std::vector<std::string>{"[PRB:2.000,0.000:0]", "ok"}));
+  EXPECT_EQ(answer("?"), "<Idle|MPos:2.000,0.000>");
+}
+
+TEST_F(GrblBoard, a_probe_whose_input_is_closed_does_not_begin) {
+  begin(two_axes());
+  board->set_probe(true);
+  EXPECT_EQ(answer("G21G91G94G38.3X2.000F600.000\n"), "ALARM:4");
+  run(1s);
+  EXPECT_EQ(board->turned(0), 0);
+}
+
 TEST_F(GrblBoard, a_reset_in_a_motion_is_an_alarm_until_it_is_unlocked) {
   begin(two_axes());
   say("G53G93G1X10.000Y5.000F60.000\n");

@@ -179,9 +179,39 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
 }
 
 Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duration, Instant now) {
-  SINEW_ASSERT(joint < joints_.size());
   poll(now);
-  if (const auto may = may_move(); !may) return may;
+  const auto jog = jog_of(joint, way, duration);
+  if (!jog) return std::unexpected(jog.error());
+  if (!say(*jog, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  probes_ = false;
+  begin_nudge(*jog, way, now);
+  return {};
+}
+
+Expected<void> GrblDriver::probe(std::size_t joint, double way, Duration duration, Instant now) {
+  poll(now);
+  const auto jog = jog_of(joint, way, duration);
+  if (!jog) return std::unexpected(jog.error());
+  if (const auto may = may_probe(); !may) return may;
+  const Probe probe{jog->axis, jog->by, jog->rate};
+  if (!say(probe, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  modes_ = false;
+  say(Modes{}, Sent::kModes);
+  facts_.touched.reset();
+  probes_ = true;
+  begin_nudge(*jog, way, now);
+  return {};
+}
+
+Expected<void> GrblDriver::may_probe() const {
+  const bool closed = facts_.board && facts_.board->what.pins.probe;
+  return closed ? Expected<void>(std::unexpected(Error{ErrorCode::kProbeClosed}))
+                : Expected<void>();
+}
+
+Expected<Jog> GrblDriver::jog_of(std::size_t joint, double way, Duration duration) const {
+  SINEW_ASSERT(joint < joints_.size());
+  if (const auto may = may_move(); !may) return std::unexpected(may.error());
   Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
   // Written so that NaN is refused too.
   const bool slides = joints_[joint].slides();
@@ -192,18 +222,22 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   const double rate_max = device_.to_units(joint, joints_[joint].velocity_max);
   const double seconds = std::max(to_seconds(duration), 1e-3);
   jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);
-  nudge_to_ = known_.counts();
-  nudge_to_[joint] += jog.by;
-  if (!say(jog, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  return jog;
+}
+
+/// The line of it has been said.
+void GrblDriver::begin_nudge(const Jog& jog, double way, Instant now) {
+  nudge_from_ = nudge_to_ = known_.counts();
+  nudge_to_[jog.axis] += jog.by;
+  nudge_joint_ = static_cast<std::uint8_t>(jog.axis);
   begin_reach();
-  reach_to(joint, positions_[joint].lower + std::min(way, 0.0));
-  reach_to(joint, positions_[joint].upper + std::max(way, 0.0));
+  reach_to(jog.axis, positions_[jog.axis].lower + std::min(way, 0.0));
+  reach_to(jog.axis, positions_[jog.axis].upper + std::max(way, 0.0));
   commands_.accept();
   activity_ = Activity::kNudging;
   changed_ = now + from_seconds(60 * std::abs(jog.by) / jog.rate);
   ends_at_ = changed_;
   poll_due_ = now + timing_.arrival_poll;
-  return {};
 }
 
 Expected<void> GrblDriver::home(Instant now, std::uint8_t /*joints*/) {
@@ -238,7 +272,7 @@ void GrblDriver::stop(Instant now) {
 /// It brakes on its path; but in a search for switches only a reset ends it.
 void GrblDriver::begin_stop(Instant now) {
   const bool searches = activity_ == Activity::kHoming;
-  const bool jogs = activity_ == Activity::kNudging;
+  const bool jogs = activity_ == Activity::kNudging && !probes_;
   begin_steps(Activity::kStopping, searches ? Step::kReset : Step::kLook, now);
   if (searches) {
     reset_board(now);

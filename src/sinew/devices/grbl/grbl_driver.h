@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "sinew/devices/grbl/grbl_driver_facts.h"
 #include "sinew/devices/grbl/grbl_driver_motion.h"
 #include "sinew/devices/grbl/grbl_driver_positions.h"
 #include "sinew/devices/grbl/grbl_driver_settings.h"
@@ -40,10 +41,11 @@ struct GrblTiming {
 ///   kMoving   | it is idle at the end of the last one       | kIdle, kDone
 ///   kMoving   | refused, ignored, or beside its path        | kStopping with the fault, kFailed
 ///   kMoving   | no further piece came                       | kStopping, kFailed (kStreamEnded)
-///   kIdle     | home, nudge                                 | kHoming, kNudging
+///   kIdle     | home, nudge, probe                          | kHoming, kNudging
 ///   kHoming   | ok, and where it is                         | kIdle, kDone
-///   kNudging  | it is idle, and there                       | kIdle, kDone
+///   kNudging  | it is idle, and there; or has touched       | kIdle, kDone
 ///   those two | refused; a nudge that was ignored           | kIdle, kFailed
+///   kNudging  | beside its way                              | kStopping with the fault, kFailed
 ///   any open  | stop                                        | kStopping
 ///   kStopping | it has braked; reset                        | kIdle, kStopped
 ///   any open  | an alarm                                    | kAlarm, then kIdle with the fault
@@ -70,12 +72,15 @@ class GrblDriver : public ByteDriver {
     return known_.counted(joint);
   }
   DriverHealth health() const override { return health_; }
+  DeviceFacts facts() const override { return DeviceFacts(facts_); }
   bool wants_move(Instant now) const override;
   /// @error the contract's, kUnsendable (number of joints, a speed that is no number), kJointLimit,
   ///        kSegmentTime, kPositionUnknown, kNotHomed (a board that finds its switches first)
   Expected<void> move(const JointMove& move, Instant now) override;
   /// @error kNudgeRange, kNotHomed, kBusy, kPortClosed, the fault
   Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
+  Expected<void> probe(std::size_t joint, double way, Duration duration, Instant now) override;
+  Expected<void> may_probe() const override;
   /// All axes, by the board's own cycle. @error kNoEndStops, kBusy, kPortClosed, the fault
   Expected<void> home(Instant now, std::uint8_t joints) override;
   void stop(Instant now) override;
@@ -121,6 +126,8 @@ class GrblDriver : public ByteDriver {
   Expected<void> may_begin() const;
   Expected<void> may_move() const;
   /// Opening or stopping, and there.
+  Expected<grbl::Jog> jog_of(std::size_t joint, double way, Duration duration) const;
+  void begin_nudge(const grbl::Jog& jog, double way, Instant now);
   bool is_at(Step step) const {
     return step_ == step && (activity_ == Activity::kOpening || activity_ == Activity::kStopping);
   }
@@ -136,6 +143,7 @@ class GrblDriver : public ByteDriver {
   void take_alarm(std::uint16_t code, Instant now);
   void take_welcome(const grbl::Welcome& welcome, Instant now);
   void take_status(const grbl::Status& status, Instant now);
+  void take_probed(const grbl::Probed& probed, Instant now);
   std::optional<grbl::Values> counts_of(const grbl::Status& status);
   bool fell_to_zero(const grbl::Values& counts, Instant asked) const;
   bool believable(const grbl::Values& counts, Instant asked);
@@ -146,6 +154,7 @@ class GrblDriver : public ByteDriver {
   void step_place(const grbl::Status& status, Instant now);
   void step_moving(const grbl::Status& status, Instant now);
   void step_nudging(const grbl::Status& status, Instant now);
+  std::optional<std::size_t> off_its_way() const;
   void step_alarm(const grbl::Status& status);
   void end_alarm(std::int8_t joint);
   void wait_for_welcome(Instant now);
@@ -192,7 +201,6 @@ class GrblDriver : public ByteDriver {
   std::uint16_t alarm_ = 0;
   std::optional<Instant> alarm_at_;
   GrblSettingsCheck settings_;
-  grbl::Firmware firmware_ = grbl::Firmware::kGrbl;
   bool listed_again_ = false;    ///< its settings, of which one was missing
   bool modes_ = false;           ///< it has taken them since its reset
   bool locked_ = false;          ///< it asks to be homed first, which is no fault
@@ -224,7 +232,9 @@ class GrblDriver : public ByteDriver {
   grbl::Values stood_;              ///< counts where it was seen to stand, before a reset
   /// Where the joints may come by what was said since they stood.
   FixedVector<JointInterval, kMaxJoints> reach_;
-  grbl::Values nudge_to_;
+  grbl::Values nudge_from_, nudge_to_;
+  std::uint8_t nudge_joint_ = 0;
+  bool probes_ = false;  ///< kNudging: until its input closes
 
   struct Reading {
     grbl::Values counts;
@@ -232,6 +242,7 @@ class GrblDriver : public ByteDriver {
   };
   std::optional<Reading> suspect_;  ///< the last status, where it was not believed
 
+  GrblFacts facts_;
   DriverHealth health_;
   grbl::LineDecoder decoder_;
   FixedVector<std::uint8_t, 1024> output_;

@@ -436,5 +436,47 @@ TEST(GrblFaults, whatever_the_line_does_each_command_has_one_end_and_no_joint_is
   });
 }
 
+/// The next host knows where it stands.
+TEST(GrblFaults, a_host_that_dies_while_it_probes_finds_the_machine_again) {
+  test::for_random_cases(60, [](test::Random& random) {
+    GrblCell cell;
+    cell.machine.disturb({sim::Disturbance::Kind::kProbe, 1, random.uniform(0.01, 0.1)});
+    ASSERT_TRUE(cell.driver.probe(1, 0.08, 1s, cell.now));
+    cell.run_for(from_seconds(random.uniform(0, 1.2)));
+    auto left = left_by(cell.driver);
+    for (JointPosition& joint : left) joint.quality = PositionQuality::kUncertain;
+    left[1].lower = -kGrblStep;
+    left[1].upper = 0.08 + kGrblStep;
+    open_anew(cell, left);
+    ASSERT_EQ(cell.driver.positions()[1].quality, PositionQuality::kCommanded);
+    cell.expect_honest();
+  });
+}
+
+TEST(GrblFaults, a_probe_has_one_end_whatever_is_lost_of_its_lines_and_answers) {
+  test::for_random_cases(100, [](test::Random& random) {
+    sim::LinkFaultSpec faults;
+    faults.seed = random.bits();
+    GrblCell cell(grbl_robot(), {}, false);
+    cell.honest = false;  // for the time of a status a digit may be missing
+    cell.open();
+    for (auto& way : faults.bytes) {
+      if (random.chance(0.7)) way.drop = std::pow(10.0, random.uniform(-3, -1.5));
+    }
+    cell.link = sim::LinkFaults(faults, cell.now);
+    cell.machine.disturb({sim::Disturbance::Kind::kProbe, 1, random.uniform(0.01, 0.1)});
+    ASSERT_TRUE(cell.driver.probe(1, 0.08, 1s, cell.now));
+    cell.run_for(2s);
+    cell.link = sim::LinkFaults({}, cell.now);
+    cell.run_for(20s);
+    ASSERT_NE(cell.driver.state(), DriverState::kMoving);
+    // An opening that finds nothing tells of it besides.
+    ASSERT_GE(cell.count(Kind::kDone) + cell.count(Kind::kFailed), 1U);
+    cell.expect_honest();
+    // Where its line has lost the point it is on a way of a thousand times as much.
+    ASSERT_LE(cell.q(1), 0.08 + from_deg(15));
+  });
+}
+
 }  // namespace
 }  // namespace sinew

@@ -158,6 +158,7 @@ void GrblDriver::take(const Reply& reply, Instant now) {
   if (const auto* one = std::get_if<Alarm>(&reply)) return take_alarm(one->code, now);
   if (const auto* one = std::get_if<Welcome>(&reply)) return take_welcome(*one, now);
   if (const auto* one = std::get_if<Status>(&reply)) return take_status(*one, now);
+  if (const auto* one = std::get_if<Probed>(&reply)) return take_probed(*one, now);
   if (const auto* one = std::get_if<Setting>(&reply)) return settings_.take(*one);
   if (const auto* one = std::get_if<Build>(&reply)) {
     room_ = std::clamp<std::size_t>(one->bytes > 0 ? one->bytes - 1U : 0, kRoomLeast, kRoomMost);
@@ -194,6 +195,16 @@ void GrblDriver::take_ok(Instant now) {
   }
 }
 
+void GrblDriver::take_probed(const Probed& probed, Instant now) {
+  const bool asked = activity_ == Activity::kNudging && probes_;
+  if (!asked || !probed.touched || probed.at.size() < joints_.size()) return;
+  GrblFacts::Touch touch{nudge_joint_, std::nullopt};
+  if (positions_[nudge_joint_].quality != PositionQuality::kLost) {
+    touch.q = known_.place(nudge_joint_, probed.at[nudge_joint_] * settings_.report_scale());
+  }
+  facts_.touched = {touch, now};
+}
+
 void GrblDriver::take_refusal(const Refused& /*refused*/, Instant now) {
   if (lines_.empty()) {
     ++health_.unexpected;
@@ -221,7 +232,7 @@ void GrblDriver::take_refusal(const Refused& /*refused*/, Instant now) {
 }
 
 void GrblDriver::take_welcome(const Welcome& welcome, Instant now) {
-  firmware_ = welcome.firmware;
+  facts_.firmware = welcome.firmware;
   if (!reset_at_) {
     // Behind some alarms grblHAL resets itself.
     const bool by_alarm = alarm_at_ && now - *alarm_at_ < timing_.welcome_timeout;

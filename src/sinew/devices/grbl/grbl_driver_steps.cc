@@ -35,6 +35,8 @@ Error error_of(std::uint16_t alarm, Firmware firmware, std::int8_t joint) {
       return end_stop;
     case 3:
       return {ErrorCode::kDeviceRestarted};
+    case 4:
+      return {ErrorCode::kProbeClosed};
     case 6:
     case 7:
     case 8:
@@ -100,6 +102,7 @@ void GrblDriver::take_status(const Status& status, Instant now) {
   unheard_ = 0;
   told_silent_ = false;
   poll_due_ = now + (activity_ == Activity::kIdle ? timing_.resting_poll : timing_.arrival_poll);
+  facts_.board = {{status.state, status.pins.value_or(Pins{})}, now};
   const auto read = counts_of(status);
   if (!read) {
     ++health_.unexpected;
@@ -227,7 +230,7 @@ bool GrblDriver::mark(Instant now) {
 void GrblDriver::take_lines(Instant now) {
   // A line of its settings may have been damaged.
   const bool again = activity_ == Activity::kOpening && !listed_again_ &&
-                     !settings_.complete(firmware_) && say(AskSettings{}, Sent::kOther);
+                     !settings_.complete(facts_.firmware) && say(AskSettings{}, Sent::kOther);
   if (again) {
     listed_again_ = true;
     return;
@@ -260,7 +263,7 @@ void GrblDriver::step_place(const Status& status, Instant now) {
     return late ? end_with({ErrorCode::kDeviceRefused}) : void();
   }
   locked_ = false;
-  const auto misfit = settings_.misfit(firmware_);
+  const auto misfit = settings_.misfit(facts_.firmware);
   if (misfit && activity_ == Activity::kOpening) return end_with(*misfit);
   // In other modes its lines would mean other places.
   if (!modes_) return end_with({ErrorCode::kDeviceRefused});
@@ -297,7 +300,7 @@ void GrblDriver::end_steps(Instant now) {
 
 /// It wants to be homed first, and that is no fault of a robot with switches.
 bool GrblDriver::is_locked(std::uint16_t alarm) const {
-  const std::uint16_t own = firmware_ == Firmware::kFluidNc ? 14 : 11;
+  const std::uint16_t own = facts_.firmware == Firmware::kFluidNc ? 14 : 11;
   return device_.homes && alarm == own;
 }
 
@@ -323,7 +326,7 @@ void GrblDriver::step_alarm(const Status& status) {
 
 void GrblDriver::end_alarm(std::int8_t joint) {
   reset_at_.reset();
-  end_with(error_of(alarm_, firmware_, joint));
+  end_with(error_of(alarm_, facts_.firmware, joint));
 }
 
 // A motion
@@ -390,15 +393,33 @@ void GrblDriver::look_at_the_end(Instant now) {
   poll_due_ = now + std::max(until + line_time_, timing_.arrival_poll);
 }
 
+/// A digit of its line may have been lost.
+std::optional<std::size_t> GrblDriver::off_its_way() const {
+  for (std::size_t i = 0; i < nudge_to_.size(); ++i) {
+    const auto [lower, upper] = std::minmax(nudge_from_[i], nudge_to_[i]);
+    const double slack = motion_.tolerance(i), here = known_.counts()[i];
+    if (here < lower - slack || here > upper + slack) return i;
+  }
+  return std::nullopt;
+}
+
 void GrblDriver::step_nudging(const Status& status, Instant now) {
-  const bool idle = status.state == State::kIdle && lines_.empty();
-  if (!idle) return;
-  if (motion_.is_there(known_.counts(), nudge_to_)) {
+  if (const auto joint = off_its_way()) {
+    const bool known = positions_[*joint].quality != PositionQuality::kLost;
+    const auto place = [&](double count) { return known ? known_.place(*joint, count) : 0; };
+    fail({ErrorCode::kMissedTarget, static_cast<std::int8_t>(*joint),
+          place(known_.counts()[*joint]), place(nudge_to_[*joint])});
+    return begin_stop(now);
+  }
+  if (status.state != State::kIdle) return;
+  const bool there = (probes_ && facts_.touched) || motion_.is_there(known_.counts(), nudge_to_);
+  if (lines_.empty() && there) {
     come_to_rest();
     end_commands(Kind::kDone);
   } else if (now - changed_ >= timing_.ignored_limit) {
-    come_to_rest();
+    const bool waits = !lines_.empty();
     end_commands(Kind::kFailed, {ErrorCode::kMotionIgnored, 0});
+    waits ? begin_stop(now) : come_to_rest();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sinew/core/error_code.h"
+#include "sinew/devices/grbl/grbl_driver_facts.h"
 #include "sinew/devices/grbl/grbl_test_cell.h"
 #include "support/property.h"
 
@@ -261,6 +262,93 @@ TEST(GrblDriver, a_nudge_moves_one_joint_also_where_nobody_knows_where_it_is) {
   EXPECT_EQ(cell.count(Kind::kDone), 1U);
   EXPECT_NEAR(cell.q(1), before - 0.05, kGrblStep);
   EXPECT_EQ(cell.driver.positions()[1].quality, PositionQuality::kLost);
+}
+
+using Touch = sim::Disturbance;
+
+/// To the second joint's input; the machine as it stands.
+Touch touch_at(double q) {
+  return {Touch::Kind::kProbe, 1, q};
+}
+
+TEST(GrblDriver, a_probe_says_where_its_input_closed_and_stands_behind_it) {
+  test::for_random_cases(60, [](test::Random& random) {
+    GrblCell cell(grbl_robot(static_cast<std::size_t>(random.integer(2, 6))));
+    const double way = random.uniform(0.3, 1) * from_deg(5) * (random.chance(0.5) ? 1 : -1);
+    const double place = way * random.uniform(0.05, 0.9);
+    cell.machine.disturb(touch_at(place));
+    const double rate = std::abs(way) / random.uniform(1, 4);  // rad/s
+    ASSERT_TRUE(
+        cell.driver.probe(1, way, from_seconds(std::abs(way) / rate), cell.now).has_value());
+    ASSERT_FALSE(cell.driver.wants_move(cell.now));
+    ASSERT_TRUE(cell.run_until(DriverState::kReady, 6s));
+    ASSERT_EQ(cell.count(Kind::kDone), 1U);
+    const auto touched = cell.driver.facts().get<GrblFacts>().touched;
+    ASSERT_TRUE(touched && touched->what.q);
+    EXPECT_EQ(touched->what.joint, 1);
+    // A tick of the board's, and a step.
+    EXPECT_NEAR(*touched->what.q, place, rate * 2e-3 + kGrblStep);
+    const double braking = rate * rate / 2 / cell.robot.joints[1].acceleration_max;
+    EXPECT_NEAR(cell.q(1), place, braking + rate * 2e-3 + kGrblStep);
+    EXPECT_NEAR(cell.driver.positions()[1].q, cell.q(1), kGrblStep);
+    // What is sent next means places again.
+    cell.events.clear();
+    auto motion = cell.motion_to(JointVector(std::vector<double>(cell.robot.joints.size(), -0.2)));
+    cell.run(motion);
+    ASSERT_FALSE(cell.refused || cell.driver.fault());
+    EXPECT_NEAR(cell.q(1), -0.2, kGrblStep);
+  });
+}
+
+TEST(GrblDriver, a_probe_that_touches_nothing_goes_its_way_and_says_so) {
+  GrblCell cell;
+  cell.machine.disturb(touch_at(0.5));
+  ASSERT_TRUE(cell.driver.probe(1, 0.05, 1s, cell.now));
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  EXPECT_FALSE(cell.driver.facts().get<GrblFacts>().touched);
+  EXPECT_NEAR(cell.q(1), 0.05, kGrblStep);
+}
+
+TEST(GrblDriver, a_probe_whose_input_is_closed_is_refused_and_nothing_moves) {
+  GrblCell cell;
+  cell.machine.disturb(touch_at(0));
+  cell.run_for(500ms);
+  EXPECT_EQ(cell.driver.may_probe().error().code, ErrorCode::kProbeClosed);
+  EXPECT_EQ(cell.driver.probe(1, 0.05, 1s, cell.now).error().code, ErrorCode::kProbeClosed);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  ASSERT_TRUE(cell.driver.nudge(1, -0.05, 1s, cell.now)) << "the way off it";
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_TRUE(cell.driver.may_probe());
+}
+
+/// It closes between the last report and the line: the board refuses it.
+TEST(GrblDriver, a_probe_whose_input_has_just_closed_is_an_alarm_that_keeps_the_position) {
+  GrblCell cell;
+  cell.run_for(500ms);
+  ASSERT_TRUE(cell.driver.probe(1, 0.05, 1s, cell.now));
+  cell.machine.disturb(touch_at(0));
+  ASSERT_TRUE(cell.run_until(DriverState::kFault, 3s));
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kProbeClosed);
+  EXPECT_EQ(cell.driver.positions()[1].quality, PositionQuality::kCommanded);
+  EXPECT_EQ(cell.q(1), 0);
+}
+
+TEST(GrblDriver, a_probe_is_stopped_on_its_way_and_the_position_is_kept) {
+  for (const Duration after : {1ms, 60ms, 500ms, 990ms}) {
+    GrblCell cell;
+    cell.machine.disturb(touch_at(0.5));
+    ASSERT_TRUE(cell.driver.probe(1, 0.08, 1s, cell.now));
+    cell.run_for(after);
+    cell.driver.stop(cell.now);
+    ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s)) << to_seconds(after);
+    EXPECT_EQ(cell.count(Kind::kStopped), 1U);
+    EXPECT_LT(cell.q(1), 0.08);
+    EXPECT_NEAR(cell.driver.positions()[1].q, cell.q(1), kGrblStep);
+    auto motion = cell.motion_to({0.1, 0.1, 0.1});
+    cell.run(motion);
+    EXPECT_NEAR(cell.q(1), 0.1, kGrblStep) << "absolute places again";
+  }
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ void read_grbl(TableReader& reader, RobotModel& model) {
   model.device.capability.limits_share = 0.9;
   model.device.capability.nudge_max = GrblDevice::kNudgeMax;
   model.device.capability.nudge_slide_max = GrblDevice::kNudgeMaxSliding;
+  model.device.capability.probes = true;
   reader.choice("homing", kYesNo, device.homes);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     GrblDevice::Axis& axis = device.axes[i];

@@ -36,6 +36,11 @@ Told read(const Request& request) {
                           {word("axis", {&kAxisLetters[m.axis], 1}), real("deg", m.by),
                            real("deg_per_min", m.rate)}};
             },
+            [](const Probe& m) {
+              return Told{"probe",
+                          {word("axis", {&kAxisLetters[m.axis], 1}), real("deg", m.by),
+                           real("deg_per_min", m.rate)}};
+            },
             [](const Home&) { return Told{"home"}; }, [](const Unlock&) { return Told{"unlock"}; },
             [](const AskSettings&) { return Told{"ask_settings"}; },
             [](const AskBuild&) { return Told{"ask_build"}; },
@@ -51,6 +56,7 @@ Told read_status(const Status& status) {
   if (status.pins && status.pins->limits != 0) {
     fields.push_back(whole("switches", status.pins->limits));
   }
+  if (status.pins && status.pins->probe) fields.push_back(whole("probe", 1));
   return {"status", fields};
 }
 
@@ -68,6 +74,9 @@ Told read(const Reply& reply) {
             },
             [](const Build& m) {
               return Told{"build", {whole("blocks", m.blocks), whole("bytes", m.bytes)}};
+            },
+            [](const Probed& m) {
+              return Told{"probed", {list("deg", m.at), whole("touched", m.touched ? 1 : 0)}};
             },
             [](const Note&) { return Told{"note"}; }},
       reply);

@@ -53,7 +53,7 @@ GrblMachine::GrblMachine(const RobotModel& robot, Instant boot)
       supply_volts_(kSupplyNominal),
       now_(boot) {
   for (const Joint& joint : joints_) {
-    bodies_.push_back({joint.home, joint.home, 0, -kAnywhere, kAnywhere});
+    bodies_.push_back({joint.home, joint.home, 0, -kAnywhere, kAnywhere, kAnywhere, true});
     speeds_.push_back(0);
   }
 }
@@ -71,6 +71,7 @@ void GrblMachine::advance(Instant now) {
 void GrblMachine::follow() {
   skid();
   grbl::AxisMask closed = 0;
+  bool touches = false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const sinew::GrblDevice::Axis& axis = device_.axes[i];
@@ -80,8 +81,10 @@ void GrblMachine::follow() {
     body.lost += body.q - wanted;
     const double at = switch_of(joints_[i], axis);
     if (axis.homes_down ? body.q <= at : body.q >= at) closed |= grbl::AxisMask(1U << i);
+    touches |= body.touches_above ? body.q >= body.touches : body.q <= body.touches;
   }
   board_.set_switches(closed);
+  board_.set_probe(touches);
   const bool found = homing_ && board_.state() == grbl::State::kIdle;
   homing_ = board_.state() == grbl::State::kHome;
   if (found) forget_lost();
@@ -137,6 +140,13 @@ void GrblMachine::disturb(const Disturbance& what) {
       SINEW_ASSERT(joint < bodies_.size());
       Body& body = bodies_[joint];
       (what.value >= body.q ? body.upper : body.lower) = what.value;
+      break;
+    }
+    case Disturbance::Kind::kProbe: {
+      SINEW_ASSERT(joint < bodies_.size());
+      Body& body = bodies_[joint];
+      body.touches = what.value;
+      body.touches_above = what.value >= body.q;
       break;
     }
     case Disturbance::Kind::kUnblock:

@@ -20,7 +20,7 @@ class GrblMachine : public ByteMachine {
   void advance(Instant now) override;
   std::optional<Instant> next_event() const override { return board_.next_event(); }
   Truth truth() const override;
-  /// kSupply, kBlock and kUnblock.
+  /// kSupply, kBlock, kUnblock and kProbe.
   void disturb(const Disturbance& what) override;
   LastingState lasting_state() const override;
   bool restore(const LastingState& state) override;
@@ -33,6 +33,8 @@ class GrblMachine : public ByteMachine {
     double q = 0;
     double lost = 0;      ///< rad, since the board counts
     double lower, upper;  ///< between what is in its way
+    double touches;       ///< where something closes the probe input, and beyond
+    bool touches_above;   ///< .. which is where it grows to
   };
 
   void follow();

@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 10> kStates{"Idle", "Run",   "Hold", "Jog
 constexpr std::string_view kMoveWords = "G53G93G1";
 constexpr std::string_view kModeWords = "G21G90G94";
 constexpr std::string_view kJogWords = "$J=G21G91";
+constexpr std::string_view kProbeWords = "G21G91G94G38.3";
 constexpr std::string_view kToolWords = "G43.1Z";
 constexpr int kDecimals = 3;
 /// No board's number is larger: settings in steps, or per minute.
@@ -131,6 +132,12 @@ struct RequestWriter {
     SINEW_ASSERT(jog.axis < kAxesMax && fits(jog.by) && jog.rate > 0);
     return Writer().text(kJogWords).word(kAxisLetters[jog.axis], jog.by).word('F', jog.rate).end();
   }
+  Line operator()(const Probe& probe) const {
+    SINEW_ASSERT(probe.axis < kAxesMax && fits(probe.by) && probe.rate > 0);
+    Writer line;
+    line.text(kProbeWords).word(kAxisLetters[probe.axis], probe.by);
+    return line.word('F', probe.rate).end();
+  }
   Line operator()(const Home& home) const {
     Writer line;
     line.text("$H");
@@ -166,7 +173,9 @@ std::optional<Request> read_move(Reader line) {
   return move;
 }
 
-std::optional<Request> read_jog(Reader line) {
+/// "X0.100F60.000" @tparam Way  Jog or Probe
+template <class Way>
+std::optional<Request> read_way(Reader line) {
   if (line.empty()) return std::nullopt;
   const auto axis = axis_of(line.rest()[0]);
   line.next_is(line.rest().substr(0, 1));
@@ -174,7 +183,7 @@ std::optional<Request> read_jog(Reader line) {
   if (!axis || !by || !line.next_is("F")) return std::nullopt;
   const auto rate = line.value();
   if (!rate || !(*rate > 0) || !line.empty()) return std::nullopt;
-  return Jog{*axis, *by, *rate};
+  return Way{*axis, *by, *rate};
 }
 
 std::optional<Request> read_tool(Reader line) {
@@ -257,6 +266,9 @@ struct ReplyWriter {
     line.text("[OPT:V,").number(one.blocks).text(",").number(one.bytes);
     if (one.axes != 0) line.text(",").number(one.axes);
     return line.text("]").end();
+  }
+  Line operator()(const Probed& one) const {
+    return Writer().text("[PRB:").list(one.at).text(one.touched ? ":1]" : ":0]").end();
   }
   Line operator()(const Note& /*note*/) const { return Writer().text("[MSG:]").end(); }
 };
@@ -349,6 +361,14 @@ std::optional<Reply> read_build(Reader line) {
   return build;
 }
 
+std::optional<Reply> read_probed(Reader line) {
+  const auto at = line.list();
+  if (!at || !line.next_is(":")) return std::nullopt;
+  const auto touched = line.number();
+  if (!touched || *touched > 1 || line.rest() != "]") return std::nullopt;
+  return Probed{*at, *touched == 1};
+}
+
 }  // namespace
 
 std::string_view word_of(State state) {
@@ -367,7 +387,10 @@ std::optional<Request> decode_request(std::string_view line) {
   if (line.starts_with(kToolWords)) return read_tool(Reader(line.substr(kToolWords.size())));
   if (line.size() > kLineMax) return std::nullopt;
   if (line.starts_with(kMoveWords)) return read_move(Reader(line.substr(kMoveWords.size())));
-  if (line.starts_with(kJogWords)) return read_jog(Reader(line.substr(kJogWords.size())));
+  if (line.starts_with(kJogWords)) return read_way<Jog>(Reader(line.substr(kJogWords.size())));
+  if (line.starts_with(kProbeWords)) {
+    return read_way<Probe>(Reader(line.substr(kProbeWords.size())));
+  }
   if (line.starts_with("$H")) return read_home(line.substr(2));
   return std::nullopt;
 }
@@ -386,6 +409,7 @@ std::optional<Reply> decode_reply(std::string_view line) {
   if (reader.next_is("GrblHAL ")) return read_welcome(reader, Firmware::kGrblHal);
   if (reader.next_is("Grbl ")) return read_welcome(reader, Firmware::kGrbl);
   if (reader.next_is("[OPT:")) return read_build(Reader(reader.until(']')));
+  if (reader.next_is("[PRB:")) return read_probed(reader);
   return Note{};
 }
 

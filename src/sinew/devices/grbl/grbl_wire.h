@@ -56,6 +56,15 @@ struct Jog {
   double rate = 0;  ///< per min
   friend bool operator==(const Jog&, const Jog&) = default;
 };
+/// One axis until its probe input closes, or by so much. Answered when it stands; the board counts
+/// every way behind it until it is told its modes again. An input that is closed already is an
+/// alarm.
+struct Probe {
+  std::size_t axis = 0;
+  double by = 0;    ///< mm or deg
+  double rate = 0;  ///< per min
+  friend bool operator==(const Probe&, const Probe&) = default;
+};
 struct Home {
   AxisMask axes = 0;  ///< one axis (grblHAL, FluidNC); 0: the board's own cycle
   friend bool operator==(const Home&, const Home&) = default;
@@ -80,7 +89,8 @@ struct ToolOffset {
   double z = 0;  ///< mm or deg
   friend bool operator==(const ToolOffset&, const ToolOffset&) = default;
 };
-using Request = std::variant<Move, Jog, Home, Unlock, AskSettings, AskBuild, Modes, ToolOffset>;
+using Request =
+    std::variant<Move, Jog, Probe, Home, Unlock, AskSettings, AskBuild, Modes, ToolOffset>;
 
 // Replies.
 
@@ -164,11 +174,18 @@ struct Build {
   std::uint8_t axes = 0;  ///< 0: not reported
   friend bool operator==(const Build&, const Build&) = default;
 };
+/// "[PRB:1.000,2.000,3.000:1]": machine coordinates where the probe closed; 0: where it did not,
+/// they are where the way ended.
+struct Probed {
+  Values at;
+  bool touched = false;
+  friend bool operator==(const Probed&, const Probed&) = default;
+};
 /// Any other line.
 struct Note {
   friend bool operator==(const Note&, const Note&) = default;
 };
-using Reply = std::variant<Ok, Refused, Alarm, Welcome, Status, Setting, Build, Note>;
+using Reply = std::variant<Ok, Refused, Alarm, Welcome, Status, Setting, Build, Probed, Note>;
 
 std::string_view word_of(State state);
 

@@ -32,10 +32,11 @@ Values values_of(Random& random, std::int64_t axes) {
 
 Request request_of(Random& random) {
   const auto axis = static_cast<std::size_t>(random.integer(0, kAxesMax - 1));
+  const double rate = std::round(random.uniform(1, 6e4) * 1000) / 1000;
   switch (random.integer(0, 5)) {
     case 0:
-      return Jog{axis, value_of(random, kValueMax),
-                 std::round(random.uniform(1, 6e4) * 1000) / 1000};
+      return random.chance(0.5) ? Request(Jog{axis, value_of(random, kValueMax), rate})
+                                : Request(Probe{axis, value_of(random, kValueMax), rate});
     case 1:
       return Home{static_cast<AxisMask>(random.integer(0, 63))};
     case 2:
@@ -53,7 +54,7 @@ Request request_of(Random& random) {
 
 Reply reply_of(Random& random) {
   const auto code = static_cast<std::uint16_t>(random.integer(0, 65535));
-  switch (random.integer(0, 7)) {
+  switch (random.integer(0, 8)) {
     case 0:
       return Ok{};
     case 1:
@@ -66,6 +67,8 @@ Reply reply_of(Random& random) {
       return Build{code, code, static_cast<std::uint8_t>(random.integer(0, 6))};
     case 5:
       return Welcome{static_cast<Firmware>(random.integer(0, 2)), code, code};
+    case 6:
+      return Probed{values_of(random, random.integer(1, kAxesMax)), random.chance(0.5)};
     default:
       break;
   }
@@ -88,6 +91,7 @@ TEST(GrblWire, lines_of_a_host_are_these) {
   EXPECT_EQ(text_of(encode(Request(Move{{1, -2.5, 0, 90, 0.001, -180}, 2}))),
             "G53G93G1X1.000Y-2.500Z0.000A90.000B0.001C-180.000F30.00000\n");
   EXPECT_EQ(text_of(encode(Request(Jog{4, -0.25, 300}))), "$J=G21G91B-0.250F300.000\n");
+  EXPECT_EQ(text_of(encode(Request(Probe{1, 5, 72}))), "G21G91G94G38.3Y5.000F72.000\n");
   EXPECT_EQ(text_of(encode(Request(Home{}))), "$H\n");
   EXPECT_EQ(text_of(encode(Request(Home{0b100001}))), "$HXC\n");
   EXPECT_EQ(text_of(encode(Request(Modes{}))), "G21G90G94\n");
@@ -128,6 +132,8 @@ TEST(GrblWire, a_board_says_what_it_is) {
             Reply(Welcome{Firmware::kFluidNc, 3, 7}));
   EXPECT_EQ(decode_reply("[OPT:V,15,128]"), Reply(Build{15, 128, 0}));
   EXPECT_EQ(decode_reply("[OPT:VNMSL,35,1024,3,0]"), Reply(Build{35, 1024, 3}));
+  EXPECT_EQ(decode_reply("[PRB:1.000,-2.500,0.000:1]"), Reply(Probed{{1, -2.5, 0}, true}));
+  EXPECT_EQ(decode_reply("[PRB:0.000:0]"), Reply(Probed{{0}, false}));
   EXPECT_EQ(decode_reply("$110=500.000"), Reply(Setting{110, 500}));
   EXPECT_EQ(decode_reply("$0=10"), Reply(Setting{0, 10}));
 }
@@ -162,7 +168,12 @@ TEST(GrblWire, what_begins_like_a_reply_and_is_damaged_is_none) {
                            "Grbl ",
                            "Grbl 1",
                            "[OPT:V,15]",
-                           "[OPT:V,x,128]"}) {
+                           "[OPT:V,x,128]",
+                           "[PRB:]",
+                           "[PRB:1.000,2.000]",
+                           "[PRB:1.000:2]",
+                           "[PRB:1.000:1",
+                           "[PRB:1,2,3,4,5,6,7:1]"}) {
     EXPECT_FALSE(decode_reply(line)) << line;
   }
 }
@@ -171,7 +182,7 @@ TEST(GrblWire, lines_that_no_host_of_ours_says_are_refused) {
   for (const char* line :
        {"", "G0X1", "G53G93G1", "G53G93G1X1.000", "G53G93G1Y1.000F30", "G53G93G1X1.000X2.000F30",
         "G53G93G1X1.000F0", "G53G93G1X1.000F-1", "G53G93G1X1.000F30M3", "$J=G21G91", "$J=G21G91X1",
-        "$J=G21G91W1F30", "$HQ", "$Hx", "$XX"}) {
+        "$J=G21G91W1F30", "G38.3X1F30", "G21G91G94G38.3X1", "$HQ", "$Hx", "$XX"}) {
     EXPECT_FALSE(decode_request(line)) << line;
   }
 }

@@ -235,6 +235,7 @@ void IcpMachine::disturb(const Disturbance& what) {
       return;
     case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
+    case Disturbance::Kind::kProbe:
       return;  // no sensor anywhere
   }
 }

@@ -198,6 +198,7 @@ void MaxArmMachine::disturb(const Disturbance& what) {
       break;
     case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kLead:
+    case Disturbance::Kind::kProbe:
       break;  // its servos have their sensors inside, and no stepper is there
     case Disturbance::Kind::kMagnet:
       sensor_ok_[joint] = what.value != 0;

@@ -401,7 +401,9 @@ Api::Answer Api::nudge(const Call& call) {
   }
   if (const auto job = job_under_way(*call.robot)) return *job;
   const double way = call.request.params["way"].get<double>();
-  return give(call, control::Nudge{static_cast<std::uint8_t>(joint - model.joints.begin()), way},
+  const bool probes = call.request.params.value("until_probe", false);
+  return give(call,
+              control::Nudge{static_cast<std::uint8_t>(joint - model.joints.begin()), way, probes},
               true);
 }
 

@@ -55,7 +55,9 @@ constexpr Param kFreeDriveParams[] = {
 constexpr Param kNudgeParams[] = {
     kRobotParam,
     {"joint", ParamType::kText, true, "its name"},
-    {"way", ParamType::kNumber, true, "rad or m, at most the robot's nudge_max"}};
+    {"way", ParamType::kNumber, true, "rad or m, at most the robot's nudge_max"},
+    {"until_probe", ParamType::kFlag, false,
+     "ends where the device's probe input closes; `touched` of device.status says where"}};
 constexpr Param kFormParam = {
     "form", ParamType::kText, false,
     "of the text: sequence (BigRobotArm), pos (platform) or gcode; where left out its first word "

@@ -149,6 +149,7 @@ void put_cell(Json& all) {
        {"pose", ref("Pose")},
        {"streams", flag()},
        {"free_drive", flag()},
+       {"probes", flag()},
        {"joints", list(object({{"name", text()}}, {},
                               {{of_joint("lower|upper|home"), number()},
                                {of_joint("velocity_max", "_s"), number()},
@@ -621,7 +622,22 @@ void put_bus_servos(Json& all) {
                             {"temperature_max_c", number()}});
 }
 
+void put_inputs(Json& all) {
+  all["DeviceInputs"] = object({{"age_s", number()},
+                                {"state", text()},
+                                {"probe", flag()},
+                                {"door", flag()},
+                                {"hold", flag()},
+                                {"reset", flag()},
+                                {"start", flag()},
+                                {"emergency_stop", flag()},
+                                {"end_stops", list(text())}});
+  all["DeviceTouch"] =
+      object({{"age_s", number()}, {"joint", text()}}, {}, {{of_joint("position"), number()}});
+}
+
 void put_device(Json& all) {
+  put_inputs(all);
   put_axes(all);
   put_legs(all);
   all["ServoValue"] = object({}, {{"servo", whole()},
@@ -671,7 +687,10 @@ void put_device(Json& all) {
            {"reports_status", flag()},
            {"round_s", number()},
            {"axes", list(ref("AxisStatus"))},
-           {"bus_servos", list(ref("BusServo"))}}));
+           {"bus_servos", list(ref("BusServo"))},
+           {"firmware", one_of({"grbl", "grblhal", "fluidnc"})},
+           {"inputs", ref("DeviceInputs")},
+           {"touched", ref("DeviceTouch")}}));
   all["WireFrame"] = object({{"sequence", whole()},
                              {"at_s", number()},
                              {"to", one_of({"device", "host"})},

@@ -213,6 +213,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
             {"pose", pose_json(place.X_WB.p, place.X_WB.R)},
             {"streams", capability.motion == MotionKind::kStream},
             {"free_drive", capability.free_drive},
+            {"probes", capability.probes},
             {"joints", joints},
             {"stop",
              {{"ends_motion", stop.ends_motion},
