@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include "firmware/emulation/emulated_board.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis_link/axis_link_driver_setup.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
 
 namespace sinew::emulation {
@@ -51,6 +53,15 @@ class AxisBench : public EmulatedBoard {
                                      .session = session};
     const bool good = exchange(request).has_value();
     return run(0.01) && good;
+  }
+  /// For what a host does to boards that are not in use.
+  axis_link::SetupLine setup_line() {
+    return {.exchange =
+                [this](std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso) {
+                  std::ranges::copy(transfer(mosi), miso.begin());
+                  return true;
+                },
+            .wait = [this](Duration time) { static_cast<void>(run(to_seconds(time))); }};
   }
   /// Each word of a setup, not stored yet.
   bool write_setup_words(const SetupBytes& bytes) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "firmware/emulation/axis_bench.h"
 #include "sinew/devices/axis_link/axis_link_driver_setup.h"
@@ -208,14 +210,7 @@ TEST_P(AxisImage, is_set_up_over_its_wire_and_keeps_that_without_power) {
 
   AxisSetup setup = bench.setup;
   setup.axis_number = number;
-  const auto report = axis_link::write_setup(
-      encode_setup(setup), 1,
-      {.exchange =
-           [&](std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso) {
-             std::ranges::copy(bench.transfer(mosi), miso.begin());
-             return true;
-           },
-       .wait = [&](Duration time) { static_cast<void>(bench.run(to_seconds(time))); }});
+  const auto report = axis_link::write_setup(encode_setup(setup), 1, bench.setup_line());
   ASSERT_TRUE(report) << describe(report.error()) << bench.broken.value_or("");
   EXPECT_TRUE(report->written);
   EXPECT_FALSE(decode_setup(report->before));
@@ -229,6 +224,18 @@ TEST_P(AxisImage, is_set_up_over_its_wire_and_keeps_that_without_power) {
                              setup.axis.limits.acceleration, setup.axis.limits.jerk}));
   bench.chip.power_cycle();
   ASSERT_TRUE(bench.open() && bench.home());
+}
+
+TEST_P(AxisImage, tells_which_image_it_is) {
+  std::ifstream file(EmulatedBoard::image(GetParam()), std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+  const auto flashed = sinew::read_image(bytes);
+  ASSERT_TRUE(flashed);
+  EXPECT_EQ(flashed->size, bytes.size());
+  EXPECT_EQ(flashed->board_name(), EmulatedBoard::image(GetParam()).stem().string());
+  const auto told = axis_link::read_board_image(1, bench.setup_line());
+  ASSERT_TRUE(told) << describe(told.error()) << bench.broken.value_or("");
+  EXPECT_EQ(*told, flashed);
 }
 
 TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "firmware/stm32/i2c_master.h"
+#include "firmware/stm32/own_image.h"
 #include "firmware/stm32/pins.h"
 #include "firmware/stm32/quadrature_counter.h"
 #include "firmware/stm32/setup_flash.h"
@@ -122,8 +123,10 @@ void tick(AxisController& controller) {
   if (controller && was_latched()) controller->emergency_stop();
   if (setup && setup->axis.encoders.joint == JointEncoder::kAs5600) hardware.joint_sensor.start();
   Axis& axis = controller ? static_cast<Axis&>(*controller) : unset;
-  static AxisSpiSlave slave(axis, axis_link_node_settings(setup, count_start()),
-                            setup ? setup->registers : AxisRegisterSlaveSettings{}, &store);
+  AxisLinkNodeSettings link = axis_link_node_settings(setup, count_start());
+  link.image = own_image();
+  static AxisSpiSlave slave(axis, link, setup ? setup->registers : AxisRegisterSlaveSettings{},
+                            &store);
   for (;;) {
     bool tick_due = false;
     {

@@ -13,7 +13,7 @@ inline constexpr Place kStep{'A', 8};  ///< TIM1 channel 1
 inline constexpr Place kDirection{'B', 12};
 inline constexpr Place kEnable{'B', 13};      ///< low: current in the windings
 inline constexpr Place kEndStop{'B', 14};     ///< low: closed
-inline constexpr Place kStopLine{'B', 15};    ///< low, or a broken wire: run; see kStopLineActive
+inline constexpr Place kStopLine{'B', 15};    ///< low: no pulse
 inline constexpr Place kDriverFault{'B', 0};  ///< low: the power stage shut itself down
 inline constexpr Place kEncoderA{'A', 0};     ///< quadrature of the joint: TIM2
 inline constexpr Place kEncoderB{'A', 1};

@@ -62,7 +62,8 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"cli/plans", "cli/output"},
     {"cli/cells", "cli/plans"},
     {"cli/cameras", "cli/output"},
-    {"cli", "cli/cells cli/cameras"},
+    {"cli/boards", "cli/cells"},
+    {"cli", "cli/boards cli/cells cli/cameras"},
 });
 
 /// What stands in devices/ goes by the first of these words in its file's name: icp_driver_leg.h

@@ -7,6 +7,7 @@
 #include <span>
 #include <sstream>
 
+#include "sinew/cli/boards/firmware_verb.h"
 #include "sinew/cli/cameras/camera_verb.h"
 #include "sinew/cli/cameras/detect_verb.h"
 #include "sinew/cli/cells/cell_verbs.h"
@@ -38,10 +39,10 @@ namespace {
 
 /// In the order of the help.
 constexpr void (*kVerbs[])(CLI::App& app, ChosenVerb& call) = {
-    add_robots,   add_forward, add_inverse,    add_sim,        add_run,    add_doctor,
-    add_device,   add_servos,  add_plan,       add_jog,        add_axis,   add_torque,
-    add_serve,    add_record,  add_cell_verbs, add_commission, add_teach,  add_points,
-    add_bullride, add_check,   add_format,     add_convert,    add_detect, add_camera,
+    add_robots,     add_forward,    add_inverse, add_sim,      add_run,      add_doctor, add_device,
+    add_servos,     add_plan,       add_jog,     add_axis,     add_torque,   add_serve,  add_record,
+    add_cell_verbs, add_commission, add_teach,   add_points,   add_bullride, add_check,  add_format,
+    add_convert,    add_detect,     add_camera,  add_firmware,
 };
 
 /// The first word where a verb is due, if any.

@@ -224,12 +224,10 @@ Verdict AxisLinkNode::obey(const Request& request) {
       axis_.self_test();
       break;
     case Mode::kReadSetup: {
-      const auto index = static_cast<std::uint16_t>(request.velocity);
-      const auto value =
-          setup_ != nullptr && request.velocity == index ? setup_->word(index) : std::nullopt;
+      const auto value = word(request.velocity);
       word_.reset();
       if (!value) return Verdict::kOutOfLimits;
-      word_ = SetupWord{*value, index};
+      word_ = SetupWord{*value, static_cast<std::uint16_t>(request.velocity)};
       break;
     }
     case Mode::kWriteSetup:
@@ -237,6 +235,18 @@ Verdict AxisLinkNode::obey(const Request& request) {
       return write_setup(request);
   }
   return Verdict::kAccepted;
+}
+
+/// Of the setup, and behind it of the image.
+std::optional<std::uint32_t> AxisLinkNode::word(std::int32_t index) const {
+  constexpr auto kFirst = static_cast<std::int32_t>(kImageWord);
+  if (index < 0) return std::nullopt;
+  if (index < kFirst) {
+    return setup_ != nullptr ? setup_->word(static_cast<std::size_t>(index)) : std::nullopt;
+  }
+  const auto place = static_cast<std::size_t>(index - kFirst);
+  if (!settings_.image || place >= kImageWords) return std::nullopt;
+  return words_of(*settings_.image)[place];
 }
 
 Verdict AxisLinkNode::write_setup(const Request& request) {

@@ -11,6 +11,7 @@
 #include "sinew/devices/axis/axis_device_setup.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/wire/board_image.h"
 #include "sinew/wire/cobs.h"
 
 namespace sinew {
@@ -20,6 +21,7 @@ struct AxisLinkNodeSettings {
   std::uint16_t boot = 0;      ///< from a counter that survives a reset
   /// rad, at most, between the position that is told and the joint; of a measured joint, a count.
   double uncertainty = 2 * kPi / 4096;
+  std::optional<BoardImage> image = std::nullopt;  ///< that runs on the board
 };
 
 /// Node `axis` of a robot with such a joint there.
@@ -84,6 +86,7 @@ class AxisLinkNode {
   void execute(const axis_link::Request& request);
   void greet(const axis_link::Request& request);
   axis_link::Verdict obey(const axis_link::Request& request);
+  std::optional<std::uint32_t> word(std::int32_t index) const;
   axis_link::Verdict write_setup(const axis_link::Request& request);
   void close_session();
   void prepare();

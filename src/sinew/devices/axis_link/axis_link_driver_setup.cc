@@ -70,18 +70,23 @@ class Talk {
     }
     return std::unexpected(error(ErrorCode::kDeviceSilent));
   }
+  std::expected<std::uint32_t, Error> read_word(std::size_t index) {
+    const auto reply = ask(Mode::kReadSetup, index);
+    if (!reply) return std::unexpected(reply.error());
+    const auto* word = std::get_if<SetupWord>(&reply->body);
+    if (word == nullptr || word->index != index) {
+      return std::unexpected(error(ErrorCode::kUnexpectedReply));
+    }
+    return word->value;
+  }
   /// Everything that it keeps.
   std::expected<SetupBytes, Error> read() {
     SetupBytes bytes{};
     for (std::size_t i = 0; i < kSetupWords; ++i) {
-      const auto reply = ask(Mode::kReadSetup, i);
-      if (!reply) return std::unexpected(reply.error());
-      const auto* word = std::get_if<SetupWord>(&reply->body);
-      if (word == nullptr || word->index != i) {
-        return std::unexpected(error(ErrorCode::kUnexpectedReply));
-      }
+      const auto word = read_word(i);
+      if (!word) return std::unexpected(word.error());
       for (std::size_t k = 0; k < 4; ++k) {
-        bytes[4 * i + k] = static_cast<std::uint8_t>(word->value >> 8 * k);
+        bytes[4 * i + k] = static_cast<std::uint8_t>(*word >> 8 * k);
       }
     }
     return bytes;
@@ -123,6 +128,24 @@ std::expected<Kept, Error> read_all(Talk& talk) {
 }
 
 }  // namespace
+
+std::expected<std::optional<BoardImage>, Error> read_board_image(std::int8_t joint,
+                                                                 const SetupLine& line) {
+  Talk talk(line, joint);
+  if (const auto found = talk.find(); !found) return std::unexpected(found.error());
+  if (const auto opened = talk.open(); !opened) return std::unexpected(opened.error());
+  ImageWords words{};
+  for (std::size_t i = 0; i < kImageWords; ++i) {
+    const auto word = talk.read_word(kImageWord + i);
+    // It knows no such words.
+    if (!word && i == 0 && word.error().code == ErrorCode::kBusy) return std::nullopt;
+    if (!word) return std::unexpected(word.error());
+    words[i] = *word;
+  }
+  const auto image = image_of(words);
+  if (!image) return std::unexpected(talk.error(ErrorCode::kUnexpectedReply));
+  return image;
+}
 
 std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int8_t joint,
                                               const SetupLine& line) {

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "sinew/core/error.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/wire/board_image.h"
 
 namespace sinew::axis_link {
 
@@ -31,5 +33,12 @@ struct SetupReport {
 ///         axis moves, or the board cannot keep it; kUnexpectedReply: it kept something else
 std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int8_t joint,
                                               const SetupLine& line);
+
+/// What runs on a board; nothing where it does not tell, as simulated ones. A session is opened,
+/// so what moves stops.
+/// @param joint  that errors name
+/// @error  kDeviceSilent, kVersionMismatch, kUnexpectedReply
+std::expected<std::optional<BoardImage>, Error> read_board_image(std::int8_t joint,
+                                                                 const SetupLine& line);
 
 }  // namespace sinew::axis_link

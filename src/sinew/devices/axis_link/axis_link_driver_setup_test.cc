@@ -49,7 +49,9 @@ struct Board {
   }
   void boot() {
     store.emplace(flash);
-    node.emplace(unset, axis_link_node_settings(store->setup(), ++boots), &*store);
+    AxisLinkNodeSettings settings = axis_link_node_settings(store->setup(), ++boots);
+    settings.image = image;
+    node.emplace(unset, settings, &*store);
     node->advance(now);
   }
   SetupLine line() {
@@ -77,6 +79,7 @@ struct Board {
 
   Flash flash;
   UnsetAxis unset;
+  std::optional<BoardImage> image;  ///< from the next boot() on
   std::optional<SetupStore> store;
   std::optional<AxisLinkNode> node;
   Instant now{};
@@ -163,6 +166,31 @@ TEST(AxisLinkSetup, says_why_not) {
   worn_out.flash.works = false;
   EXPECT_EQ(write(0, worn_out).error().code, ErrorCode::kBusy);
   EXPECT_EQ(write(3, worn_out).error().index, 3);
+}
+
+TEST(AxisLinkSetup, a_board_tells_its_image_over_a_line_that_loses_frames) {
+  test::for_random_cases(200, [](test::Random& random) {
+    Board board;
+    board.image = BoardImage{image_text<24>("axis-stm32f401"), image_text<16>("1.2.3"), 55'000,
+                             static_cast<std::uint32_t>(random.bits())};
+    board.boot();
+    board.random = &random;
+    const auto image = read_board_image(0, board.line());
+    ASSERT_TRUE(image.has_value());
+    ASSERT_EQ(*image, board.image);
+  });
+}
+
+TEST(AxisLinkSetup, a_board_that_knows_no_image_is_no_error_and_one_that_is_silent_is) {
+  Board board;
+  const auto none = read_board_image(2, board.line());
+  ASSERT_TRUE(none.has_value());
+  EXPECT_FALSE(none->has_value());
+  board.mute = true;
+  const auto silent = read_board_image(2, board.line());
+  ASSERT_FALSE(silent.has_value());
+  EXPECT_EQ(silent.error().code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(silent.error().index, 2);
 }
 
 }  // namespace

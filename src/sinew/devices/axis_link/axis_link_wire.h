@@ -115,6 +115,10 @@ constexpr std::uint32_t setup_word(std::span<const std::uint8_t> bytes, std::siz
   return word;
 }
 
+/// The first word of what the board's image says of itself (wire/board_image.h), read as the
+/// setup's are.
+inline constexpr std::size_t kImageWord = 256;
+
 /// Answer to kReadSetup: four bytes of what the board keeps about its axis, little endian.
 struct SetupWord {
   std::uint32_t value = 0;

@@ -244,6 +244,10 @@ io::IoResult<std::string> records_folder() {
   return state_folder("records");
 }
 
+io::IoResult<std::string> firmware_folder() {
+  return state_folder("firmware");
+}
+
 io::IoResult<std::string> programs_folder() {
   return state_folder("programs");
 }

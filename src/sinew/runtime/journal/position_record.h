@@ -81,6 +81,9 @@ io::IoResult<std::string> records_folder();
 /// The same with "web": the tokens of the network door.
 io::IoResult<std::string> web_folder();
 
+/// The same with "firmware": what was on boards before they were written.
+io::IoResult<std::string> firmware_folder();
+
 /// The same with "programs": those of each kind of robot and its points, in a folder of its id.
 io::IoResult<std::string> programs_folder();
 /// The same with "events": what happened in each cell.

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sinew::cli {
+
+/// How a board's flash is written.
+enum class FlashWay : std::uint8_t {
+  kSerial,  ///< its ROM boot loader over a serial port: stm32flash
+  kUsb,     ///< its ROM boot loader over USB (DFU): dfu-util
+  kProbe,   ///< an ST-Link on its debug pins: openocd
+};
+
+/// A board that there are images for.
+struct FlashBoard {
+  std::string_view image;                ///< "axis-stm32f103"
+  std::string_view what;                 ///< for people
+  std::span<const std::uint16_t> chips;  ///< what its chip says of itself (ST AN2606, device ID)
+  std::string_view probe_target;         ///< openocd's file
+  std::string_view usb_flash;  ///< how its DFU describes its sectors; empty: it has no DFU
+  std::uint32_t size = 0;      ///< of its flash in front of the setup's place, bytes
+};
+
+std::span<const FlashBoard> flash_boards();
+/// nullptr: there is no such board.
+const FlashBoard* flash_board(std::string_view image);
+
+/// One run of a tool, and what it is for.
+struct FlashStep {
+  std::string what;  ///< for people: "reads what is on it"
+  std::vector<std::string> command;
+};
+
+/// The runs that a board's flashing consists of; nothing here runs them.
+class FlashTool {
+ public:
+  /// @param port  of kSerial
+  FlashTool(const FlashBoard& board, FlashWay way, std::string port)
+      : board_(board), way_(way), port_(std::move(port)) {}
+
+  /// Its name, and the Debian package that has it.
+  std::string_view program() const;
+
+  /// Asks which chip is there.
+  FlashStep ask() const;
+  /// Of what that wrote.
+  /// @error  a sentence: nobody answered, it is another chip, or several are there
+  std::expected<void, std::string> answered(std::string_view output) const;
+  /// Reads as much of the flash as an image may have.
+  FlashStep read_to(const std::string& file, std::uint32_t bytes) const;
+  /// Writes the image, holds what was written against it where the tool can, and starts it.
+  FlashStep write(const std::string& file, std::uint32_t bytes) const;
+  /// Whether write() has compared; else read_to() has to.
+  bool verifies() const { return way_ != FlashWay::kUsb; }
+  /// How to bring the board into the state in which ask() is answered.
+  std::string_view how_to_begin() const;
+
+ private:
+  const FlashBoard& board_;
+  FlashWay way_;
+  std::string port_;
+};
+
+}  // namespace sinew::cli
