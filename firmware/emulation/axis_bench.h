@@ -10,6 +10,7 @@
 #include "sinew/core/units.h"
 #include "sinew/devices/axis_link/axis_link_driver_setup.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/wire/little_words.h"
 
 namespace sinew::emulation {
 
@@ -66,14 +67,13 @@ class AxisBench : public EmulatedBoard {
   /// Each word of a setup, not stored yet.
   bool write_setup_words(const SetupBytes& bytes) {
     for (std::size_t i = 0; i < kSetupWords; ++i) {
-      const bool good =
-          exchange({.axis = setup.axis_number,
-                    .mode = axis_link::Mode::kWriteSetup,
-                    .sequence = ++sequence,
-                    .target = std::bit_cast<std::int32_t>(axis_link::setup_word(bytes, i)),
-                    .velocity = static_cast<std::int32_t>(i),
-                    .session = session})
-              .has_value();
+      const bool good = exchange({.axis = setup.axis_number,
+                                  .mode = axis_link::Mode::kWriteSetup,
+                                  .sequence = ++sequence,
+                                  .target = std::bit_cast<std::int32_t>(little_word(bytes, i)),
+                                  .velocity = static_cast<std::int32_t>(i),
+                                  .session = session})
+                            .has_value();
       if (!run(0.005) || !good) return false;
     }
     return true;

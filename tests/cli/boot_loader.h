@@ -31,7 +31,7 @@ class BootLoader {
   void put(std::size_t place, const std::vector<std::uint8_t>& bytes);
   /// Where it was told to start what was written; nothing: it was not.
   std::optional<std::uint32_t> started() const;
-  /// Flash was written that was not erased: what stands there then is neither.
+  /// Flash was written without an erase, so its content is wrong.
   bool spoiled() const;
 
  private:

@@ -8,6 +8,7 @@
 
 #include "cli/boot_loader.h"
 #include "cli/process.h"
+#include "support/board_image_bytes.h"
 #include "support/scratch_folder.h"
 
 /// `sinew firmware` with the real stm32flash, and a simulated boot loader at the other end.
@@ -20,26 +21,8 @@ using Bytes = std::vector<std::uint8_t>;
 const std::string kF103 = "axis-stm32f103";
 const std::string kF401 = "axis-stm32f401";
 
-/// Bytes that say that they are an image, with one of their own at the end.
-Bytes image(const std::string& board, const std::string& version, std::size_t size = 40'000,
-            std::uint8_t mark = 1) {
-  Bytes bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 251);
-  const auto put = [&](std::size_t at, const std::string& text, std::size_t room) {
-    for (std::size_t i = 0; i < room; ++i) {
-      bytes[at + i] = i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0;
-    }
-  };
-  put(336, "SINEW-FW", 8);
-  put(344, board, 24);
-  put(368, version, 16);
-  const std::uint32_t begin = 0x08000000, end = begin + static_cast<std::uint32_t>(size);
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[384 + i] = static_cast<std::uint8_t>(begin >> 8 * i);
-    bytes[388 + i] = static_cast<std::uint8_t>(end >> 8 * i);
-  }
-  bytes.back() = mark;
-  return bytes;
+Bytes image(const std::string& board, const std::string& version) {
+  return board_image_bytes(board, version, 336, 40'000);
 }
 
 std::string text_of(const Bytes& bytes) {

@@ -29,8 +29,8 @@ std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const
   } else {
     right = leg ? "its load is a force, as 2N" : "its load is a torque, as 0.5Nm";
   }
-  const std::string item = load ? "load=" : timed.what.kind == Kind::kBlock ? "block=" : "probe=";
-  return std::unexpected(item + name + ": " + joint.name +
+  const std::string item(load ? "load" : place_item(timed.what.kind));
+  return std::unexpected(item + "=" + name + ": " + joint.name +
                          (leg ? " is a leg; " : " is a joint that turns; ") + right);
 }
 

@@ -32,4 +32,9 @@ constexpr const FaultSwitch* switch_of(Disturbance::Kind kind) {
   return found == kFaultSwitches.end() ? nullptr : found;
 }
 
+/// The item of a disturbance at a place of a joint (kBlock, kProbe).
+constexpr std::string_view place_item(Disturbance::Kind kind) {
+  return kind == Disturbance::Kind::kBlock ? "block" : "probe";
+}
+
 }  // namespace sinew::sim

@@ -449,7 +449,7 @@ std::string text_of(const TimedDisturbance& timed) {
       return "payload=" + value + "kg" + at;
     case Kind::kBlock:
     case Kind::kProbe:
-      return (timed.what.kind == Kind::kBlock ? "block=" : "probe=") + joint + "@" + value +
+      return std::string(place_item(timed.what.kind)) + "=" + joint + "@" + value +
              (leg ? "m" : "rad") + at;
     case Kind::kUnblock:
       return "unblock=" + joint + at;

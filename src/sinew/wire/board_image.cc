@@ -3,17 +3,14 @@
 #include <algorithm>
 
 #include "sinew/wire/crc32c.h"
+#include "sinew/wire/little_words.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::size_t kLabelSize = kImageMark.size() + 24 + 16 + 8;
-
-std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t place) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[place + i]} << 8 * i;
-  return word;
-}
+constexpr std::size_t kTexts = 24 + 16;  // bytes of board and version
+constexpr std::size_t kSizeWord = kTexts / 4;
+constexpr std::size_t kLabelSize = kImageMark.size() + kTexts + 8;
 
 /// Letters, digits and a few signs, then zeros up to the end; and at least one letter.
 bool is_text(std::span<const char> text) {
@@ -24,38 +21,24 @@ bool is_text(std::span<const char> text) {
   return end != text.begin() && std::all_of(end, text.end(), [](char c) { return c == 0; });
 }
 
-template <std::size_t kSize>
-void copy(std::span<const std::uint8_t> from, std::array<char, kSize>& to) {
-  for (std::size_t i = 0; i < kSize; ++i) to[i] = static_cast<char>(from[i]);
-}
-
 }  // namespace
 
-ImageWords words_of(const BoardImage& image) {
-  ImageWords words{};
-  const auto put = [&](std::span<const char> text, std::size_t word) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      words[word + i / 4] |= std::uint32_t{static_cast<std::uint8_t>(text[i])} << 8 * (i % 4);
-    }
-  };
-  put(image.board, 0);
-  put(image.version, 6);
-  words[10] = image.size;
-  words[11] = image.checksum;
-  return words;
+ImageIdentity encode_identity(const BoardImage& image) {
+  ImageIdentity bytes{};
+  const auto version = std::ranges::copy(image.board, bytes.begin()).out;
+  std::ranges::copy(image.version, version);
+  put_little_word(bytes, kSizeWord, image.size);
+  put_little_word(bytes, kSizeWord + 1, image.checksum);
+  return bytes;
 }
 
-std::optional<BoardImage> image_of(const ImageWords& words) {
+std::optional<BoardImage> decode_identity(const ImageIdentity& bytes) {
   BoardImage image;
-  const auto take = [&](std::span<char> text, std::size_t word) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      text[i] = static_cast<char>(words[word + i / 4] >> 8 * (i % 4) & 0xFF);
-    }
-  };
-  take(image.board, 0);
-  take(image.version, 6);
-  image.size = words[10];
-  image.checksum = words[11];
+  const auto* const version = bytes.begin() + image.board.size();
+  std::copy(bytes.begin(), version, image.board.begin());
+  std::copy_n(version, image.version.size(), image.version.begin());
+  image.size = little_word(bytes, kSizeWord);
+  image.checksum = little_word(bytes, kSizeWord + 1);
   if (!is_text(image.board) || !is_text(image.version)) return std::nullopt;
   return image;
 }
@@ -65,15 +48,16 @@ std::optional<BoardImage> read_image(std::span<const std::uint8_t> bytes) {
        place += 4) {
     const auto label = bytes.subspan(place, kLabelSize);
     if (!std::equal(kImageMark.begin(), kImageMark.end(), label.begin())) continue;
-    BoardImage image;
-    copy(label.subspan(8), image.board);
-    copy(label.subspan(32), image.version);
-    const std::uint32_t begin = word_at(label, 48), end = word_at(label, 52);
-    image.size = end - begin;
-    const bool whole = end > begin && image.size <= bytes.size();
-    if (!whole || !is_text(image.board) || !is_text(image.version)) return std::nullopt;
-    image.checksum = crc32c(bytes.first(image.size));
-    return image;
+    const auto fields = label.subspan(kImageMark.size());
+    const std::uint32_t begin = little_word(fields, kSizeWord);
+    const std::uint32_t end = little_word(fields, kSizeWord + 1);
+    const std::uint32_t size = end - begin;
+    if (end <= begin || size > bytes.size()) return std::nullopt;
+    ImageIdentity identity{};
+    std::ranges::copy(fields.first(kTexts), identity.begin());
+    put_little_word(identity, kSizeWord, size);
+    put_little_word(identity, kSizeWord + 1, crc32c(bytes.first(size)));
+    return decode_identity(identity);
   }
   return std::nullopt;
 }

@@ -7,10 +7,10 @@
 #include <span>
 #include <string_view>
 
-/// Images of boards: what each says of itself, in its bytes and by its wire. docs/firmware.
+/// Identity of a board's image: as a label in its bytes, and over the board's wire. docs/firmware.
 namespace sinew {
 
-/// Stands in an image, at a place that is a multiple of 4, in its first kilobyte.
+/// Begins a label, at a multiple of 4 bytes in the image's first kilobyte.
 inline constexpr std::array<char, 8> kImageMark{'S', 'I', 'N', 'E', 'W', '-', 'F', 'W'};
 inline constexpr std::size_t kImageMarkWithin = 1024;
 
@@ -19,7 +19,7 @@ struct BoardImage {
   std::array<char, 24> board{};    ///< "axis-stm32f103", zeros behind it
   std::array<char, 16> version{};  ///< "0.1.0", likewise
   std::uint32_t size = 0;          ///< bytes
-  std::uint32_t checksum = 0;      ///< CRC-32C of them: two builds that differ have two
+  std::uint32_t checksum = 0;      ///< CRC-32C of the image; tells builds apart
   friend bool operator==(const BoardImage&, const BoardImage&) = default;
 
   std::string_view board_name() const { return text_of(board); }
@@ -27,16 +27,12 @@ struct BoardImage {
 
  private:
   static std::string_view text_of(std::span<const char> text) {
-    return std::string_view(text.data(), text.size()).substr(0, length_of(text));
-  }
-  static std::size_t length_of(std::span<const char> text) {
-    std::size_t length = 0;
-    while (length < text.size() && text[length] != 0) ++length;
-    return length;
+    const std::string_view all(text.data(), text.size());
+    return all.substr(0, all.find('\0'));
   }
 };
 
-/// A board's name or version, as it stands in an image. @pre it has room
+/// A board's name or version in its field of an image. @pre it has room
 template <std::size_t kRoom>
 constexpr std::array<char, kRoom> image_text(std::string_view text) {
   std::array<char, kRoom> out{};
@@ -44,16 +40,17 @@ constexpr std::array<char, kRoom> image_text(std::string_view text) {
   return out;
 }
 
-/// As a board tells it: board, version, size, checksum; words little endian.
-inline constexpr std::size_t kImageWords = 12;
-using ImageWords = std::array<std::uint32_t, kImageWords>;
-ImageWords words_of(const BoardImage& image);
-/// Nothing where a text has characters that none has.
-std::optional<BoardImage> image_of(const ImageWords& words);
+/// An identity on the wire: board, version, size, checksum; numbers little endian.
+inline constexpr std::size_t kImageIdentitySize = 48;
+inline constexpr std::size_t kImageIdentityWords = kImageIdentitySize / 4;
+using ImageIdentity = std::array<std::uint8_t, kImageIdentitySize>;
+ImageIdentity encode_identity(const BoardImage& image);
+/// Nothing where board or version is empty, or has a character other than a to z, 0 to 9, - . +
+std::optional<BoardImage> decode_identity(const ImageIdentity& bytes);
 
-/// What bytes of an image, or of a flash that begins with one, say of it: behind the mark stand the
-/// board, the version, and the addresses of its first byte and behind its last one.
-/// Nothing where there is no mark, or fewer bytes than the image has.
+/// Identity of an image, or of a flash that begins with one. Its label is the mark, board, version,
+/// and the addresses of the image's first byte and of the one behind its last.
+/// Nothing without a label, or with fewer bytes than the image has.
 std::optional<BoardImage> read_image(std::span<const std::uint8_t> bytes);
 
 }  // namespace sinew

@@ -2,31 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
+#include <algorithm>
 #include <vector>
 
 #include "sinew/wire/crc32c.h"
+#include "support/board_image_bytes.h"
 #include "support/property.h"
 
 namespace sinew {
 namespace {
 
-/// An image of a board, and what a flash has behind it.
+/// An image, and what a flash has behind it.
 std::vector<std::uint8_t> image_bytes(std::size_t place, std::size_t size, std::size_t behind = 0) {
-  std::vector<std::uint8_t> bytes(size + behind, 0x5A);
-  const auto put = [&](std::size_t at, std::string_view text, std::size_t room) {
-    for (std::size_t i = 0; i < room; ++i) {
-      bytes[at + i] = i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0;
-    }
-  };
-  put(place, "SINEW-FW", 8);
-  put(place + 8, "axis-stm32f103", 24);
-  put(place + 32, "0.1.0", 16);
-  const std::uint32_t begin = 0x08000000, end = begin + static_cast<std::uint32_t>(size);
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[place + 48 + i] = static_cast<std::uint8_t>(begin >> 8 * i);
-    bytes[place + 52 + i] = static_cast<std::uint8_t>(end >> 8 * i);
-  }
+  auto bytes = test::board_image_bytes("axis-stm32f103", "0.1.0", place, size);
+  bytes.resize(size + behind, 0x5A);
   return bytes;
 }
 
@@ -67,18 +56,18 @@ TEST(BoardImage, hostile_bytes_are_no_image_or_one_that_can_be_told) {
     }
     const auto image = read_image(bytes);
     ASSERT_TRUE(!image || image->size <= bytes.size());
-    ASSERT_TRUE(!image || image_of(words_of(*image)) == image);
+    ASSERT_TRUE(!image || decode_identity(encode_identity(*image)) == image);
   });
 }
 
-TEST(BoardImage, words_that_are_no_text_are_none) {
+TEST(BoardImage, an_identity_without_a_name_or_with_other_characters_is_none) {
   const BoardImage image{image_text<24>("axis-stm32f401"), image_text<16>("1.2.3"), 5, 6};
-  ImageWords words = words_of(image);
-  EXPECT_EQ(image_of(words), image);
-  words[0] = 0;
-  EXPECT_FALSE(image_of(words)) << "a board without a name";
-  words[0] = 0xFFFFFFFF;
-  EXPECT_FALSE(image_of(words));
+  ImageIdentity bytes = encode_identity(image);
+  EXPECT_EQ(decode_identity(bytes), image);
+  std::fill_n(bytes.begin(), 4, std::uint8_t{0});
+  EXPECT_FALSE(decode_identity(bytes)) << "a board without a name";
+  std::fill_n(bytes.begin(), 4, std::uint8_t{0xFF});
+  EXPECT_FALSE(decode_identity(bytes));
 }
 
 }  // namespace

@@ -32,21 +32,23 @@ constexpr Duration kCopyLimit = std::chrono::minutes(5);
 Outcome list(const FirmwareRequest& request) {
   const auto folder = images_folder(request.images);
   if (!folder) return could_not(folder.error());
-  const auto files = images_in(*folder);
-  if (!files) return could_not(files.error());
-  if (files->empty()) return could_not(*folder + ": no image of a board is in it");
   Outcome outcome;
   outcome.json["images"] = Json::array();
   Table table({"board", "for", "version", "build", "bytes", "file"});
   table.left(1).left(2).left(3).left(5);
-  for (const ImageFile& file : *files) {
-    const BoardImage& image = file.image;
-    table.add({std::string(image.board_name()), std::string(flash_board(image.board_name())->what),
-               std::string(image.version_text()), fmt::format("{:08x}", image.checksum),
-               fmt::format("{}", image.size), file.path});
+  for (const FlashBoard& board : flash_boards()) {
+    if (!io::exists(image_path(*folder, board))) continue;
+    const auto file = board_image(*folder, board);
+    if (!file) return could_not(file.error());
+    const BoardImage& image = *file->image;
+    table.add({std::string(board.image), std::string(board.what), std::string(image.version_text()),
+               fmt::format("{:08x}", image.checksum), fmt::format("{}", image.size), file->path});
     Json one = image_json(image);
-    one["file"] = file.path;
+    one["file"] = file->path;
     outcome.json["images"].push_back(std::move(one));
+  }
+  if (outcome.json["images"].empty()) {
+    return could_not(*folder + ": no image of a board is in it");
   }
   outcome.text = table.text();
   return outcome;
@@ -56,9 +58,10 @@ Outcome info(const FirmwareRequest& request) {
   if (request.what.empty()) return bad_input("info: which file? sinew firmware list names some");
   const auto file = image_file(request.what);
   if (!file) return could_not(file.error());
+  if (!file->image) return could_not(file->path + ": " + std::string(kNoLabel));
   Outcome outcome;
-  outcome.json = image_json(file->image);
-  outcome.text = fmt::format("  {}, {} bytes\n", image_text(file->image), file->image.size);
+  outcome.json = image_json(*file->image);
+  outcome.text = fmt::format("  {}, {} bytes\n", image_text(*file->image), file->image->size);
   return outcome;
 }
 
@@ -95,35 +98,23 @@ std::expected<std::string, std::string> run(const FlashStep& step, Duration limi
   return std::unexpected(step.command[0] + ": " + last_line(end->output));
 }
 
-/// What is to be written.
-struct Wanted {
-  std::string path;
-  std::string bytes;
-  std::optional<BoardImage> image;  ///< nothing: a file that says nothing of itself
-};
+/// The file that was asked for, else the board's image.
+std::expected<ImageFile, std::string> file_to_write(const FirmwareRequest& request,
+                                                    const FlashBoard& board) {
+  if (request.image) return image_file(*request.image);
+  const auto folder = images_folder(request.images);
+  if (!folder) return std::unexpected(folder.error());
+  if (io::exists(image_path(*folder, board))) return board_image(*folder, board);
+  return std::unexpected(
+      fmt::format("{}: no image of {} is in it: make firmware builds it", *folder, board.image));
+}
 
-std::expected<Wanted, Outcome> wanted_of(const FirmwareRequest& request, const FlashBoard& board) {
-  Wanted wanted;
-  if (request.image) {
-    auto bytes = io::read_file(*request.image);
-    if (!bytes) return std::unexpected(could_not(bytes.error().sentence));
-    wanted = {*request.image, std::move(*bytes), std::nullopt};
-    if (auto file = image_file(*request.image)) wanted.image = file->image;
-  } else {
-    const auto folder = images_folder(request.images);
-    if (!folder) return std::unexpected(could_not(folder.error()));
-    auto files = images_in(*folder);
-    if (!files) return std::unexpected(could_not(files.error()));
-    const auto file = std::ranges::find_if(
-        *files, [&](const ImageFile& one) { return one.image.board_name() == board.image; });
-    if (file == files->end()) {
-      return std::unexpected(
-          could_not(fmt::format("{}: no image of {} is in it: make firmware "
-                                "builds it",
-                                *folder, board.image)));
-    }
-    wanted = {file->path, std::move(file->bytes), file->image};
-  }
+/// A file that the board has room for, and that is not for another board; in whole words.
+std::expected<ImageFile, Outcome> image_to_write(const FirmwareRequest& request,
+                                                 const FlashBoard& board) {
+  auto file = file_to_write(request, board);
+  if (!file) return std::unexpected(could_not(file.error()));
+  ImageFile& wanted = *file;
   if (wanted.image && wanted.image->board_name() != board.image) {
     return std::unexpected(could_not(
         fmt::format("{}: this is an image of {}", wanted.path, wanted.image->board_name())));
@@ -134,7 +125,7 @@ std::expected<Wanted, Outcome> wanted_of(const FirmwareRequest& request, const F
   }
   // Flash is written in words.
   wanted.bytes.resize((wanted.bytes.size() + 3) / 4 * 4, '\xFF');
-  return wanted;
+  return std::move(wanted);
 }
 
 std::expected<FlashWay, Outcome> way_of(const FirmwareRequest& request, const FlashBoard& board) {
@@ -193,8 +184,8 @@ std::string copy_name(const std::string& folder, const FlashBoard& board) {
   return fmt::format("{}/{}-{:%Y%m%d-%H%M%S}.bin", folder, board.image, fmt::gmtime(now));
 }
 
-/// Everything that does not change the board is behind it.
-Outcome write(const FlashTool& tool, const Wanted& wanted, FlashCopy& copy) {
+/// From here on the board changes.
+Outcome write(const FlashTool& tool, const ImageFile& wanted, FlashCopy& copy) {
   const auto size = static_cast<std::uint32_t>(wanted.bytes.size());
   FlashCopy image(copy.path() + ".new");
   if (const auto put = io::replace_file(image.path(), wanted.bytes); !put) {
@@ -216,7 +207,7 @@ Outcome write(const FlashTool& tool, const Wanted& wanted, FlashCopy& copy) {
 /// The chip is the right one.
 std::expected<void, Outcome> ask_chip(const FlashTool& tool) {
   const auto asked = run(tool.ask(), kAskLimit);
-  // A tool that finds nobody fails too, in its own words.
+  // A tool that finds no chip fails too, in its own words.
   const auto answered = tool.answered(asked ? *asked : asked.error());
   if (answered) return {};
   return std::unexpected(could_not(answered.error() + (asked ? "" : " (" + asked.error() + ")")));
@@ -224,7 +215,7 @@ std::expected<void, Outcome> ask_chip(const FlashTool& tool) {
 
 /// Of the board that was asked for, from its first byte to its last one.
 Outcome put_on_board(const FirmwareRequest& request, const FlashBoard& board, const FlashTool& tool,
-                     const Wanted& wanted, FlashCopy& copy) {
+                     const ImageFile& wanted, FlashCopy& copy) {
   if (const auto right = ask_chip(tool); !right) return right.error();
   Outcome outcome;
   outcome.json["board"] = board.image;
@@ -243,9 +234,9 @@ Outcome put_on_board(const FirmwareRequest& request, const FlashBoard& board, co
   if (had) {
     copy.keep();
     outcome.json["before"] = copy.path();
-    const auto old = image_file(copy.path());
+    const auto old = image_in(*before);
     outcome.text = fmt::format("  what was on it before{} is kept in {}\n",
-                               old ? ", " + image_text(old->image) + "," : "", copy.path());
+                               old ? ", " + image_text(*old) + "," : "", copy.path());
   }
   std::fprintf(stderr, "  leave it plugged in; Ctrl-C does not end this\n");
   const Outcome done = write(tool, wanted, copy);
@@ -275,7 +266,7 @@ Outcome flash(const FirmwareRequest& request) {
   }
   const auto way = way_of(request, *board);
   if (!way) return way.error();
-  const auto wanted = wanted_of(request, *board);
+  const auto wanted = image_to_write(request, *board);
   if (!wanted) return wanted.error();
   const FlashTool tool(*board, *way, request.port.value_or(""));
   const std::string program(tool.program());

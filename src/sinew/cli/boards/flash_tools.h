@@ -50,7 +50,7 @@ class FlashTool {
   /// Asks which chip is there.
   FlashStep ask() const;
   /// Of what that wrote.
-  /// @error  a sentence: nobody answered, it is another chip, or several are there
+  /// @error  a sentence: no chip answered, another chip, or several
   std::expected<void, std::string> answered(std::string_view output) const;
   /// Reads as much of the flash as an image may have.
   FlashStep read_to(const std::string& file, std::uint32_t bytes) const;

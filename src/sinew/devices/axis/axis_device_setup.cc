@@ -7,6 +7,7 @@
 
 #include "sinew/devices/axis_link/axis_link_wire.h"
 #include "sinew/wire/crc32c.h"
+#include "sinew/wire/little_words.h"
 
 namespace sinew {
 namespace {
@@ -103,10 +104,6 @@ T from_bits(std::uint64_t bits) {
     return static_cast<T>(bits);
 }
 
-void put_word(std::span<std::uint8_t> bytes, std::size_t place, std::uint32_t word) {
-  for (std::size_t i = 0; i < 4; ++i) bytes[place + i] = static_cast<std::uint8_t>(word >> 8 * i);
-}
-
 constexpr bool positive(double value) {
   return value > 0;
 }
@@ -173,14 +170,13 @@ SetupBytes encode_setup(const AxisSetup& setup) {
     }
   });
   constexpr std::size_t kEnd = kSetupSize - kChecksum;
-  put_word(bytes, kEnd, crc32c(std::span(bytes).first<kEnd>()));
+  put_little_word(bytes, kEnd / 4, crc32c(std::span(bytes).first<kEnd>()));
   return bytes;
 }
 
 std::optional<AxisSetup> decode_setup(std::span<const std::uint8_t, kSetupSize> bytes) {
   constexpr std::size_t kEnd = kSetupSize - kChecksum;
-  if (crc32c(bytes.first<kEnd>()) != axis_link::setup_word(bytes, kEnd / 4) ||
-      bytes[0] != kVersion) {
+  if (crc32c(bytes.first<kEnd>()) != little_word(bytes, kEnd / 4) || bytes[0] != kVersion) {
     return std::nullopt;
   }
   AxisSetup setup;
@@ -215,20 +211,20 @@ SetupStore::SetupStore(SetupMemory& memory) : memory_(memory) {
 std::optional<std::uint32_t> SetupStore::count_of(int which) const {
   const auto copy = memory_.place(which);
   if (copy.size() < kCopySize) return std::nullopt;
-  if (crc32c(copy.first(kCopySize - 4)) != axis_link::setup_word(copy, kCopySize / 4 - 1))
+  if (crc32c(copy.first(kCopySize - 4)) != little_word(copy, kCopySize / 4 - 1))
     return std::nullopt;
-  return axis_link::setup_word(copy, kSetupWords);
+  return little_word(copy, kSetupWords);
 }
 
 std::optional<std::uint32_t> SetupStore::word(std::size_t index) const {
   if (index >= kSetupWords) return std::nullopt;
   constexpr std::uint32_t kErased = 0xFFFF'FFFF;
-  return setup_ ? axis_link::setup_word(memory_.place(newest_), index) : kErased;
+  return setup_ ? little_word(memory_.place(newest_), index) : kErased;
 }
 
 bool SetupStore::set_word(std::size_t index, std::uint32_t value) {
   if (index >= kSetupWords) return false;
-  put_word(written_, 4 * index, value);
+  put_little_word(written_, index, value);
   return true;
 }
 
@@ -236,8 +232,8 @@ bool SetupStore::store() {
   if (!decode_setup(written_)) return false;
   std::array<std::uint8_t, kCopySize> copy{};
   std::ranges::copy(written_, copy.begin());
-  put_word(copy, kSetupSize, count_ + 1);
-  put_word(copy, kCopySize - 4, crc32c(std::span(copy).first<kCopySize - 4>()));
+  put_little_word(copy, kSetupWords, count_ + 1);
+  put_little_word(copy, kCopySize / 4 - 1, crc32c(std::span(copy).first<kCopySize - 4>()));
   const int which = 1 - newest_;
   if (!memory_.erase(which) || !memory_.append(which, copy)) return false;
   if (!std::ranges::equal(memory_.place(which).first(kCopySize), copy)) return false;

@@ -9,6 +9,7 @@
 #include "sinew/devices/axis/axis_device_controller.h"
 #include "sinew/devices/axis/axis_device_setup_model.h"
 #include "sinew/wire/crc32c.h"
+#include "sinew/wire/little_words.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -50,7 +51,7 @@ class FakeMemory : public SetupMemory {
 
 void write(SetupStore& store, const SetupBytes& bytes) {
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    ASSERT_TRUE(store.set_word(i, axis_link::setup_word(bytes, i)));
+    ASSERT_TRUE(store.set_word(i, little_word(bytes, i)));
   }
 }
 

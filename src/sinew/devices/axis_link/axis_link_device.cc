@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sinew/core/assert.h"
+#include "sinew/wire/little_words.h"
 
 namespace sinew {
 
@@ -245,8 +246,8 @@ std::optional<std::uint32_t> AxisLinkNode::word(std::int32_t index) const {
     return setup_ != nullptr ? setup_->word(static_cast<std::size_t>(index)) : std::nullopt;
   }
   const auto place = static_cast<std::size_t>(index - kFirst);
-  if (!settings_.image || place >= kImageWords) return std::nullopt;
-  return words_of(*settings_.image)[place];
+  if (!settings_.image || place >= kImageIdentityWords) return std::nullopt;
+  return little_word(encode_identity(*settings_.image), place);
 }
 
 Verdict AxisLinkNode::write_setup(const Request& request) {

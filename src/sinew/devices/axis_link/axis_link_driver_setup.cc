@@ -7,6 +7,7 @@
 
 #include "sinew/core/error_code.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/wire/little_words.h"
 
 namespace sinew::axis_link {
 namespace {
@@ -79,17 +80,14 @@ class Talk {
     }
     return word->value;
   }
-  /// Everything that it keeps.
-  std::expected<SetupBytes, Error> read() {
-    SetupBytes bytes{};
-    for (std::size_t i = 0; i < kSetupWords; ++i) {
-      const auto word = read_word(i);
+  /// Words from `first` on, to fill `bytes`.
+  std::expected<void, Error> read_words(std::size_t first, std::span<std::uint8_t> bytes) {
+    for (std::size_t i = 0; i < bytes.size() / 4; ++i) {
+      const auto word = read_word(first + i);
       if (!word) return std::unexpected(word.error());
-      for (std::size_t k = 0; k < 4; ++k) {
-        bytes[4 * i + k] = static_cast<std::uint8_t>(*word >> 8 * k);
-      }
+      put_little_word(bytes, i, *word);
     }
-    return bytes;
+    return {};
   }
   Error error(ErrorCode code) const { return {code, index_, 0, 0}; }
 
@@ -122,9 +120,11 @@ std::expected<Kept, Error> read_all(Talk& talk) {
   if (const auto found = talk.find(); !found) return std::unexpected(found.error());
   const auto opened = talk.open();
   if (!opened) return std::unexpected(opened.error());
-  const auto bytes = talk.read();
-  if (!bytes) return std::unexpected(bytes.error());
-  return Kept{*bytes, opened->boot};
+  Kept kept{{}, opened->boot};
+  if (const auto read = talk.read_words(0, kept.bytes); !read) {
+    return std::unexpected(read.error());
+  }
+  return kept;
 }
 
 }  // namespace
@@ -134,15 +134,14 @@ std::expected<std::optional<BoardImage>, Error> read_board_image(std::int8_t joi
   Talk talk(line, joint);
   if (const auto found = talk.find(); !found) return std::unexpected(found.error());
   if (const auto opened = talk.open(); !opened) return std::unexpected(opened.error());
-  ImageWords words{};
-  for (std::size_t i = 0; i < kImageWords; ++i) {
-    const auto word = talk.read_word(kImageWord + i);
-    // It knows no such words.
-    if (!word && i == 0 && word.error().code == ErrorCode::kBusy) return std::nullopt;
-    if (!word) return std::unexpected(word.error());
-    words[i] = *word;
+  // A board without an identity refuses its words.
+  const auto first = talk.read_word(kImageWord);
+  if (!first && first.error().code == ErrorCode::kBusy) return std::nullopt;
+  ImageIdentity identity{};
+  if (const auto read = talk.read_words(kImageWord, identity); !read) {
+    return std::unexpected(read.error());
   }
-  const auto image = image_of(words);
+  const auto image = decode_identity(identity);
   if (!image) return std::unexpected(talk.error(ErrorCode::kUnexpectedReply));
   return image;
 }
@@ -154,7 +153,7 @@ std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int
   if (!before) return std::unexpected(before.error());
   if (before->bytes == wanted) return SetupReport{before->bytes, false};
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    const auto reply = talk.ask(Mode::kWriteSetup, i, setup_word(wanted, i));
+    const auto reply = talk.ask(Mode::kWriteSetup, i, little_word(wanted, i));
     if (!reply) return std::unexpected(reply.error());
   }
   // The processor stands while its flash is written: the answer comes late, or is lost with the

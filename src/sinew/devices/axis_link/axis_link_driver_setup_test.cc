@@ -12,6 +12,7 @@
 #include "sinew/devices/axis/axis_device_setup_model.h"
 #include "sinew/devices/axis/axis_device_unset.h"
 #include "sinew/devices/axis_link/axis_link_device.h"
+#include "sinew/wire/little_words.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -145,7 +146,7 @@ TEST(AxisLinkSetup, takes_nothing_for_kept_that_was_only_written) {
   Board board(setup_of(4));
   const SetupBytes bytes = encode_setup(setup_of(2));
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    ASSERT_TRUE(board.store->set_word(i, setup_word(bytes, i)));
+    ASSERT_TRUE(board.store->set_word(i, little_word(bytes, i)));
   }
   board.loses = Mode::kStoreSetup;
   EXPECT_EQ(write(2, board).error().code, ErrorCode::kUnexpectedReply);

@@ -108,15 +108,8 @@ struct Health {
 inline constexpr std::size_t kSetupSize = 380;
 inline constexpr std::size_t kSetupWords = kSetupSize / 4;
 using SetupBytes = std::array<std::uint8_t, kSetupSize>;
-/// Word `index` of bytes that hold it.
-constexpr std::uint32_t setup_word(std::span<const std::uint8_t> bytes, std::size_t index) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[4 * index + i]} << 8 * i;
-  return word;
-}
 
-/// The first word of what the board's image says of itself (wire/board_image.h), read as the
-/// setup's are.
+/// The first word of a board's image identity (wire/board_image.h), read as the setup's words are.
 inline constexpr std::size_t kImageWord = 256;
 
 /// Answer to kReadSetup: four bytes of what the board keeps about its axis, little endian.

@@ -194,16 +194,13 @@ void GrblDevice::step_homing() {
 /// It brakes where its input has closed, and tells the place of that.
 void GrblDevice::step_probing() {
   if (probe_closed_ && !touched_ && state_ == State::kRun) {
-    touched_.emplace();
-    for (std::size_t i = 0; i < zero_.size(); ++i) touched_->push_back(believed(i));
+    touched_ = believed();
     planner_.hold();
   }
   if (touched_ && planner_.at_rest()) planner_.clear();
   if (!planner_.empty()) return;
-  Values end;
-  for (std::size_t i = 0; i < zero_.size(); ++i) end.push_back(believed(i));
   probes_ = false;
-  say(Probed{touched_.value_or(end), touched_.has_value()});
+  say(Probed{touched_.value_or(believed()), touched_.has_value()});
   say(Ok{});
 }
 
@@ -364,6 +361,12 @@ void GrblDevice::answer(const Probe& probe) {
   step_probing();
 }
 
+Values GrblDevice::believed() const {
+  Values all;
+  for (std::size_t i = 0; i < zero_.size(); ++i) all.push_back(believed(i));
+  return all;
+}
+
 /// To whole steps.
 Values GrblDevice::rounded(const Values& motor) const {
   Values to = motor;
@@ -387,7 +390,7 @@ Status GrblDevice::status() {
   status.state = state_;
   if (state_ == State::kHold) status.detail = planner_.at_rest() ? 0 : 1;
   if (state_ == State::kAlarm && settings_.firmware == Firmware::kGrblHal) status.detail = alarm_;
-  for (std::size_t i = 0; i < zero_.size(); ++i) status.position.push_back(believed(i));
+  status.position = believed();
   if (settings_.firmware != Firmware::kGrbl) {
     status.room = Status::Room{static_cast<std::uint16_t>(Planner::kBlocks - planner_.size()),
                                static_cast<std::uint16_t>(settings_.bytes() - received_.size())};

@@ -99,6 +99,7 @@ class GrblDevice {
   void alarm(std::uint16_t code);
   void begin();
   Status status();
+  Values believed() const;
   Values rounded(const Values& motor) const;
 
   BoardSettings settings_;

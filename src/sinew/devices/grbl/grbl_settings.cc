@@ -1,10 +1,13 @@
 #include "sinew/devices/grbl/grbl_settings.h"
 
+#include <algorithm>
+
 namespace sinew {
 
 void GrblDevice::use_profile(const std::string& name, Device& /*device*/) {
-  if (name == "grblhal") firmware = GrblFirmware::kGrblHal;
-  if (name == "fluidnc") firmware = GrblFirmware::kFluidNc;
+  const auto* const found = std::ranges::find(kGrblFirmwares, name);
+  if (found == kGrblFirmwares.end()) return;
+  firmware = static_cast<GrblFirmware>(found - kGrblFirmwares.begin());
 }
 
 bool GrblDevice::use_setting(const DeviceSetting& setting, Device& /*device*/) {

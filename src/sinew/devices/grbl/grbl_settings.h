@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sinew/core/fixed_vector.h"
@@ -13,6 +15,8 @@ namespace sinew {
 
 /// Which firmware a simulated board has; a driver hears it from the board.
 enum class GrblFirmware : std::uint8_t { kGrbl, kGrblHal, kFluidNc };
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, 3> kGrblFirmwares{"grbl", "grblhal", "fluidnc"};
 
 /// A board that speaks GRBL and moves the joints of an arm, axis X the first one. Its units are
 /// degrees, or mm of a prismatic joint.
@@ -58,7 +62,9 @@ struct GrblDevice final : SettingsOf<GrblDevice> {
   MotionDelay motion_delay() const override {
     return {std::chrono::milliseconds(5), std::chrono::milliseconds(35)};
   }
-  std::vector<std::string> profiles() const override { return {"grbl", "grblhal", "fluidnc"}; }
+  std::vector<std::string> profiles() const override {
+    return {kGrblFirmwares.begin(), kGrblFirmwares.end()};
+  }
   void use_profile(const std::string& name, Device& device) override;
   bool use_setting(const DeviceSetting& setting, Device& device) override;
 };

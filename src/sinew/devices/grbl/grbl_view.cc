@@ -1,11 +1,11 @@
 #include "sinew/devices/grbl/grbl_view.h"
 
 #include "sinew/devices/grbl/grbl_driver_facts.h"
+#include "sinew/devices/grbl/grbl_settings.h"
 
 namespace sinew {
 
 FactsJson grbl_view(const FactsView& view, const DeviceFacts& all) {
-  constexpr std::string_view kFirmwares[] = {"grbl", "grblhal", "fluidnc"};
   constexpr std::pair<std::string_view, bool grbl::Pins::*> kPins[] = {
       {"probe", &grbl::Pins::probe}, {"door", &grbl::Pins::door},
       {"hold", &grbl::Pins::hold},   {"reset", &grbl::Pins::reset},
@@ -13,7 +13,7 @@ FactsJson grbl_view(const FactsView& view, const DeviceFacts& all) {
   const auto& facts = all.get<GrblFacts>();
   FactsJson json = view.base();
   if (!facts.board) return json;
-  json["firmware"] = kFirmwares[static_cast<std::size_t>(facts.firmware)];
+  json["firmware"] = kGrblFirmwares[static_cast<std::size_t>(facts.firmware)];
   const grbl::Pins& pins = facts.board->what.pins;
   FactsJson inputs{{"age_s", view.age(facts.board->at)},
                    {"state", grbl::word_of(facts.board->what.state)}};

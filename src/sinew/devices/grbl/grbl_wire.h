@@ -56,9 +56,8 @@ struct Jog {
   double rate = 0;  ///< per min
   friend bool operator==(const Jog&, const Jog&) = default;
 };
-/// One axis until its probe input closes, or by so much. Answered when it stands; the board counts
-/// every way behind it until it is told its modes again. An input that is closed already is an
-/// alarm.
+/// One axis until the probe input closes, or by so much. Answered at standstill. Moves are relative
+/// afterwards, until the modes are set again. An input that is already closed is an alarm.
 struct Probe {
   std::size_t axis = 0;
   double by = 0;    ///< mm or deg
