@@ -147,6 +147,7 @@ class RobotDescription(TypedDict, total=False):
     pose: Pose
     streams: bool
     free_drive: bool
+    probes: bool
     joints: List[DescribedJoint]
     stop: Dict[str, Any]
     position_journal: Dict[str, str]
