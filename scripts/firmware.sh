@@ -5,13 +5,15 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 echo "sinew: firmware"
 scripts/packages.sh build firmware
-configure_images() {
-  cmake -S firmware/stm32 -B build/firmware -G Ninja \
-    -DCMAKE_TOOLCHAIN_FILE="$PWD/firmware/stm32/toolchain.cmake"
-}
-step "configure firmware" configure-firmware configure_images
-step "build firmware" build-firmware cmake --build build/firmware -j "$(jobs_count)"
+# One folder a compiler; the images of all of them end up side by side.
+for chip in stm32 atmega2560; do
+  step "configure $chip" "configure-$chip" cmake -S "firmware/$chip" -B "build/firmware/$chip" \
+    -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/firmware/$chip/toolchain.cmake"
+  step "build $chip" "build-$chip" cmake --build "build/firmware/$chip" -j "$(jobs_count)"
+  cp "build/firmware/$chip"/*.{elf,bin,hex} build/firmware/
+done
 cd build/firmware
-arm-none-eabi-size ./*.elf | sed 's/^/  /'
+arm-none-eabi-size axis-*.elf | sed 's/^/  /'
+avr-size bigrobotarm-*.elf | sed 's/^/  /'
 sha256sum ./*.bin ./*.hex >SHA256SUMS
 sed 's/^/  /' SHA256SUMS

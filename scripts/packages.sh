@@ -14,9 +14,10 @@ packages_of() {
     browser) command -v chromium >/dev/null || echo chromium ;;
     test) echo libgtest-dev liborocos-kdl-dev python3 python3-jsonschema \
       python3-websockets openssl ;;
-    # The compiler with the headers of its library, what runs the images on this machine, and what writes them.
+    # The compilers with the headers of their libraries, what runs the images on this machine, and what writes
+    # them.
     firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev \
-      libunicorn-dev stm32flash ;;
+      gcc-avr avr-libc arduino-core-avr libunicorn-dev libsimavr-dev stm32flash avrdude ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;

@@ -112,6 +112,8 @@ nothing_left_out() {
   [[ -d panel/node_modules/playwright-core ]] || missing+=" the panel"
   command -v arm-none-eabi-g++ >/dev/null || missing+=" arm-none-eabi-g++"
   [[ -e /usr/include/unicorn/unicorn.h ]] || missing+=" libunicorn"
+  command -v avr-g++ >/dev/null || missing+=" avr-g++"
+  [[ -e /usr/include/simavr/sim_avr.h ]] || missing+=" libsimavr"
   if [[ -z $missing ]]; then return 0; fi
   echo "  SINEW_STRICT: missing:$missing"
   failed=$((failed + 1))

@@ -46,7 +46,9 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"stop_latency_test", 10}, {"supply_test", 3},
     {"system_test", 4},        {"toml_test", 24},
     {"vision_test", 81},       {"web_test", 11},
-    {"wire_test", 14},         {"firmware_test", 21},
+    {"wire_test", 14},         {"firmware_test", 23},
+    {"mcu_test", 30},          {"mega_test", 22},
+    {"arduino_test", 53},      {"arduino_sketch_test", 10},
 });
 
 inline constexpr std::array kMinimumCases = std::to_array<MinimumCases>({

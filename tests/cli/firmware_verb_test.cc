@@ -252,5 +252,41 @@ TEST_F(Firmware, usb_and_probe_run_their_tools_and_hold_against_the_image_what_w
   EXPECT_TRUE(text_of(bytes_of(log)).contains("} verify reset exit 0x08000000"));
 }
 
+TEST_F(Firmware, an_arduino_is_written_over_its_own_port_and_what_was_on_it_is_kept) {
+  const std::string log = folder_.at("log"), flash = folder_.at("flash");
+  const std::string board = "bigrobotarm-atmega2560";
+  const auto avrdude = [&](const std::string& signature) {
+    tool("echo \"$@\" >>" + log + "\necho 'avrdude: Device signature = " + signature +
+             " (probably m2560)' >&2\nfor last; do :; done\ncase $last in flash:r:*) "
+             "f=${last#*:r:}; "
+             "cp " +
+             flash + " \"${f%:r}\";; flash:w:*) f=${last#*:w:}; cp \"${f%:r}\" " + flash +
+             ";; esac\n",
+         "avrdude");
+  };
+  folder_.file("flash", "the maker's program");
+  const std::string port = folder_.file("port", "");
+  fs::create_directories(folder_.at("arduino"));
+  const Bytes wanted = board_image_bytes(board, "0.2.0", 336, 29'000);
+  folder_.file("arduino/" + board + ".bin", text_of(wanted));
+  const Arguments all{"firmware",           "flash", board, "--port", port, "--images",
+                      folder_.at("arduino")};
+  avrdude("0x1e950f");
+  const Ended other = sinew(all);
+  EXPECT_EQ(other.exit, 1);
+  EXPECT_TRUE(other.err.contains("says that it is 950f")) << other.err;
+  EXPECT_EQ(text_of(bytes_of(flash)), "the maker's program");
+  avrdude("0x1e9801");
+  const Ended done = sinew(all);
+  EXPECT_EQ(done.exit, 0) << done.err;
+  EXPECT_TRUE(done.out.contains("is kept in ")) << done.out;
+  EXPECT_EQ(bytes_of(flash), wanted);
+  const std::string text = text_of(bytes_of(log));
+  EXPECT_TRUE(text.contains("-p m2560 -c wiring -P " + port + " -b 115200 -D -U flash:w:")) << text;
+  const Ended usb = sinew({"firmware", "flash", board, "--usb", "--images", folder_.at("arduino")});
+  EXPECT_EQ(usb.exit, 2);
+  EXPECT_TRUE(usb.err.contains("--port /dev/ttyUSB0")) << usb.err;
+}
+
 }  // namespace
 }  // namespace sinew::test

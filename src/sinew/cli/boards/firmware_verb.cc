@@ -136,6 +136,10 @@ std::expected<FlashWay, Outcome> way_of(const FirmwareRequest& request, const Fl
                               "ST-Link)"
                             : "--port, --usb and --probe: one of them"));
   }
+  if (!board.part.empty() && !request.port) {
+    return std::unexpected(bad_input(
+        fmt::format("a {} is written over its own USB port: --port /dev/ttyUSB0", board.what)));
+  }
   if (request.usb && board.usb_flash.empty()) {
     return std::unexpected(bad_input(
         fmt::format("--usb: the boot loader of a {} has no USB; --port or --probe", board.what)));
@@ -144,6 +148,7 @@ std::expected<FlashWay, Outcome> way_of(const FirmwareRequest& request, const Fl
     return std::unexpected(could_not(
         *request.port + ": no such device; ls /dev/serial/by-id shows what is plugged in"));
   }
+  if (!board.part.empty()) return FlashWay::kArduino;
   return request.port ? FlashWay::kSerial : request.usb ? FlashWay::kUsb : FlashWay::kProbe;
 }
 
@@ -164,6 +169,7 @@ class FlashCopy {
     }
     auto text = io::read_file(path_);
     if (!text) return std::unexpected(text.error().sentence);
+    if (tool.trims()) text->resize(bytes, '\xFF');
     if (text->size() != bytes) return std::unexpected(path_ + ": not all of it was read");
     return std::move(*text);
   }
@@ -247,10 +253,9 @@ Outcome put_on_board(const FirmwareRequest& request, const FlashBoard& board, co
   }
   outcome.json["written"] = true;
   if (wanted.image) outcome.json.update(image_json(*wanted.image));
-  outcome.text += fmt::format(
-      "  {} is on the board\n  BOOT0 back to 0, then reset. A new board is set up by "
-      "sinew device ROBOT setup; sinew device ROBOT firmware shows what runs\n",
-      wanted.image ? image_text(*wanted.image) : wanted.path);
+  outcome.text +=
+      fmt::format("  {} is on the board\n  {}\n",
+                  wanted.image ? image_text(*wanted.image) : wanted.path, tool.how_to_end());
   return outcome;
 }
 
@@ -306,7 +311,8 @@ void add_firmware(CLI::App& app, ChosenVerb& call) {
       ->required();
   verb->add_option("WHAT", request.what, "info: a file; flash: a board");
   verb->add_option("--port", request.port,
-                   "flash: serial adapter on the boot loader's pins (stm32flash)");
+                   "flash: serial adapter on the boot loader's pins (stm32flash), or an Arduino's "
+                   "USB (avrdude)");
   verb->add_flag("--usb", request.usb, "flash: over the board's own USB (dfu-util)");
   verb->add_flag("--probe", request.probe, "flash: with an ST-Link (openocd)");
   verb->add_option(

@@ -15,10 +15,14 @@ constexpr std::string_view kDfu = "0483:df11";
 
 constexpr std::uint16_t kMediumF103[] = {0x410};
 constexpr std::uint16_t kF401[] = {0x423, 0x433};
+constexpr std::uint16_t kMega2560[] = {0x9801};
 constexpr std::array kBoards = std::to_array<FlashBoard>({
     {"axis-stm32f103", "Blue Pill (STM32F103C8)", kMediumF103, "target/stm32f1x.cfg", "", 63488},
     {"axis-stm32f401", "Black Pill (STM32F401CC)", kF401, "target/stm32f4x.cfg",
      "/0x08000000/04*016Kg,01*064Kg", 65536},
+    // Its boot loader is in the last 8 kB.
+    {"bigrobotarm-atmega2560", "BigRobotArm's board (ATmega2560)", kMega2560, "", "", 253952,
+     "m2560"},
 });
 
 std::string place(std::uint32_t bytes) {
@@ -41,6 +45,15 @@ std::optional<std::uint32_t> number_behind(std::string_view text, std::string_vi
 std::vector<std::string> openocd(const FlashBoard& board, const std::string& commands) {
   return {"openocd", "-f",    "interface/stlink.cfg", "-f", std::string(board.probe_target),
           "-c",      commands};
+}
+
+/// What the boot loader of an Arduino Mega is spoken to with; it erases pages as it writes them.
+std::vector<std::string> avrdude(const FlashBoard& board, const std::string& port,
+                                 std::vector<std::string> more = {}) {
+  std::vector<std::string> all{"avrdude", "-p", std::string(board.part), "-c", "wiring", "-P",
+                               port,      "-b", std::string(kSpeed),     "-D"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 std::size_t count_of(std::string_view text, std::string_view part) {
@@ -69,10 +82,18 @@ std::string_view FlashTool::program() const {
       return "stm32flash";
     case FlashWay::kUsb:
       return "dfu-util";
+    case FlashWay::kArduino:
+      return "avrdude";
     case FlashWay::kProbe:
       break;
   }
   return "openocd";
+}
+
+std::string_view FlashTool::how_to_end() const {
+  if (way_ == FlashWay::kArduino) return "It has started: its LED blinks";
+  return "BOOT0 back to 0, then reset. A new board is set up by sinew device ROBOT setup; sinew "
+         "device ROBOT firmware shows what runs";
 }
 
 std::string_view FlashTool::how_to_begin() const {
@@ -82,6 +103,8 @@ std::string_view FlashTool::how_to_begin() const {
              "hold it down) and press reset";
     case FlashWay::kUsb:
       return "hold BOOT0 down, press and release reset (NRST), release BOOT0";
+    case FlashWay::kArduino:
+      return "plug the board's USB in; nothing else may use its port";
     case FlashWay::kProbe:
       break;
   }
@@ -95,6 +118,8 @@ FlashStep FlashTool::ask() const {
       return {what, {"stm32flash", "-b", std::string(kSpeed), port_}};
     case FlashWay::kUsb:
       return {what, {"dfu-util", "-l"}};
+    case FlashWay::kArduino:
+      return {what, avrdude(board_, port_)};
     case FlashWay::kProbe:
       break;
   }
@@ -113,10 +138,13 @@ std::expected<void, std::string> FlashTool::answered(std::string_view output) co
     if (output.contains(board_.usb_flash)) return {};
     return wrong(fmt::format("the board on USB has another flash than a {}", board_.what));
   }
-  const std::string_view before = way_ == FlashWay::kSerial ? "Device ID" : "0xe0042000:";
+  const bool avr = way_ == FlashWay::kArduino;
+  const std::string_view before = avr                         ? "Device signature ="
+                                  : way_ == FlashWay::kSerial ? "Device ID"
+                                                              : "0xe0042000:";
   const auto number = number_behind(output, before);
   if (!number) return wrong(fmt::format("no chip answers: {}", how_to_begin()));
-  const auto chip = static_cast<std::uint16_t>(*number & 0xFFF);
+  const auto chip = static_cast<std::uint16_t>(*number & (avr ? 0xFFFF : 0xFFF));
   if (std::ranges::find(board_.chips, chip) != board_.chips.end()) return {};
   return wrong(fmt::format("the chip there says that it is {:03x}; a {} says {:03x}", chip,
                            board_.what, board_.chips[0]));
@@ -131,6 +159,8 @@ FlashStep FlashTool::read_to(const std::string& file, std::uint32_t bytes) const
     case FlashWay::kUsb:
       return {what,
               {"dfu-util", "-d", std::string(kDfu), "-a", "0", "-s", place(bytes), "-U", file}};
+    case FlashWay::kArduino:
+      return {what, avrdude(board_, port_, {"-U", "flash:r:" + file + ":r"})};
     case FlashWay::kProbe:
       break;
   }
@@ -151,6 +181,8 @@ FlashStep FlashTool::write(const std::string& file, std::uint32_t bytes) const {
       return {what,
               {"dfu-util", "-d", std::string(kDfu), "-a", "0", "-s",
                fmt::format("0x{:08x}", kFlashBegin), "-D", file}};
+    case FlashWay::kArduino:
+      return {what, avrdude(board_, port_, {"-U", "flash:w:" + file + ":r"})};
     case FlashWay::kProbe:
       break;
   }

@@ -12,19 +12,22 @@ namespace sinew::cli {
 
 /// How a board's flash is written.
 enum class FlashWay : std::uint8_t {
-  kSerial,  ///< its ROM boot loader over a serial port: stm32flash
-  kUsb,     ///< its ROM boot loader over USB (DFU): dfu-util
-  kProbe,   ///< an ST-Link on its debug pins: openocd
+  kSerial,   ///< its ROM boot loader over a serial port: stm32flash
+  kUsb,      ///< its ROM boot loader over USB (DFU): dfu-util
+  kProbe,    ///< an ST-Link on its debug pins: openocd
+  kArduino,  ///< the boot loader of an Arduino, on its USB port: avrdude
 };
 
 /// A board that there are images for.
 struct FlashBoard {
-  std::string_view image;                ///< "axis-stm32f103"
-  std::string_view what;                 ///< for people
-  std::span<const std::uint16_t> chips;  ///< what its chip says of itself (ST AN2606, device ID)
-  std::string_view probe_target;         ///< openocd's file
-  std::string_view usb_flash;  ///< how its DFU describes its sectors; empty: it has no DFU
-  std::uint32_t size = 0;      ///< of its flash in front of the setup's place, bytes
+  std::string_view image;  ///< "axis-stm32f103"
+  std::string_view what;   ///< for people
+  /// What its chip says of itself: device ID (ST AN2606), last bytes of the signature (AVR).
+  std::span<const std::uint16_t> chips;
+  std::string_view probe_target;  ///< openocd's file
+  std::string_view usb_flash;     ///< how its DFU describes its sectors; empty: it has no DFU
+  std::uint32_t size = 0;         ///< of its flash in front of the setup's place, bytes
+  std::string_view part = {};     ///< avrdude's name of an AVR; empty: an STM32
 };
 
 std::span<const FlashBoard> flash_boards();
@@ -58,6 +61,10 @@ class FlashTool {
   FlashStep write(const std::string& file, std::uint32_t bytes) const;
   /// Whether write() has compared; else read_to() has to.
   bool verifies() const { return way_ != FlashWay::kUsb; }
+  /// A copy ends with the last byte that is not FF.
+  bool trims() const { return way_ == FlashWay::kArduino; }
+  /// What to do when it is written.
+  std::string_view how_to_end() const;
   /// How to bring the board into the state in which ask() is answered.
   std::string_view how_to_begin() const;
 

@@ -24,8 +24,9 @@ std::expected<RobotMachine, std::string> machine(const RobotModel& robot,
   if (!std::holds_alternative<SerialGeometry>(robot.geometry)) {
     return simulated_for(robot, "a serial chain");
   }
-  const auto profile =
-      variant.profile == "as-built" ? BigRobotArmProfile::kAsBuilt : BigRobotArmProfile::kDocument;
+  const auto profile = variant.profile == "as-built" ? BigRobotArmProfile::kAsBuilt
+                       : variant.profile == "sinew"  ? BigRobotArmProfile::kOwn
+                                                     : BigRobotArmProfile::kDocument;
   const auto dialect = robot.device.settings.get<BigRobotArmDevice>().dialect;
   return RobotMachine{
       std::make_unique<sim::BigRobotArmMachine>(robot, profile, dialect, variant.seed, boot),

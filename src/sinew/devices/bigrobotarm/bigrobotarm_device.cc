@@ -125,7 +125,7 @@ std::array<double, kJoints> BigRobotArmFirmware::counted_steps(Instant now) cons
 }
 
 void BigRobotArmFirmware::process() {
-  while (!deaf() && output_.size() + kReplyRoom <= output_.capacity()) {
+  while (!holds_input() && output_.size() + kReplyRoom <= output_.capacity()) {
     std::uint8_t byte = 0;
     if (!next_byte(byte)) return;
     if (settings_.wire == BigRobotArmWire::kByte) {

@@ -8,6 +8,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_device_board.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_device_stepping.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
@@ -21,6 +22,7 @@ namespace sinew {
 enum class BigRobotArmProfile : std::uint8_t {
   kDocument,  ///< as its document says, where the document is right
   kAsBuilt,   ///< as the firmware was seen to behave, with all its defects
+  kOwn,       ///< our firmware: BigRobotArmOwnBoard
 };
 
 /// The BigRobotArm's firmware behind its wire (docs/wires/bigrobotarm.md): point to point, one
@@ -51,7 +53,7 @@ enum class BigRobotArmProfile : std::uint8_t {
 ///
 /// A joint with a speed below 1 that has to move never arrives. Time comes from outside and must
 /// not run back; nothing allocates. @rt
-class BigRobotArmFirmware {
+class BigRobotArmFirmware final : public BigRobotArmBoard {
  public:
   static constexpr std::size_t kInputBuffer = 63;       ///< the rest is lost
   static constexpr std::size_t kSequenceCapacity = 20;  ///< commands from BEGIN to END
@@ -66,34 +68,36 @@ class BigRobotArmFirmware {
   void reset(Instant now, Duration deaf = Duration::zero());
 
   /// Bytes that arrive at `now`.
-  void receive(std::span<const std::uint8_t> bytes, Instant now);
+  void restart(Instant now, Duration deaf, bool /*power*/) override { reset(now, deaf); }
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
 
   /// Lets time pass up to `now`.
-  void advance(Instant now);
+  void advance(Instant now) override;
 
   /// Moves replies out; returns how many bytes. Where replies were not taken in time, the device
   /// holds the next command back until an advance() finds room, as a full serial port would.
-  std::size_t take_output(std::span<std::uint8_t> out);
+  std::size_t take_output(std::span<std::uint8_t> out) override;
 
   /// When something happens by itself next: the end of a motion. Nothing: it waits for bytes.
-  std::optional<Instant> next_event() const;
+  std::optional<Instant> next_event() const override;
 
-  bool moving() const { return moving_; }
+  bool moving() const override { return moving_; }
+  bool deaf() const override { return moving_; }
   /// Steps that the device believes to stand at, or to be on the way to, in the frame it reports.
   const bigrobotarm::Words& targets() const { return targets_; }
 
   /// The truth, which the device never tells: motor microsteps since power-up, not touched by
   /// Reset. `now` is not before the last call's.
-  std::array<double, bigrobotarm::kJoints> rotor_steps(Instant now) const;
+  std::array<double, bigrobotarm::kJoints> rotor_steps(Instant now) const override;
   /// Where its counters say that it is at `now`, in the frame it reports.
-  std::array<double, bigrobotarm::kJoints> counted_steps(Instant now) const;
-  bigrobotarm::Gripper gripper() const { return gripper_; }
+  std::array<double, bigrobotarm::kJoints> counted_steps(Instant now) const override;
+  bigrobotarm::Gripper gripper() const override { return gripper_; }
   /// us of the pulse that its gripper's servo gets: 544..2400 for 0..180 deg in whole numbers, as
   /// the Arduino's Servo library counts, and the one more that was measured. Beyond 180 that stays.
   int gripper_pulse_us() const {
     return 545 + (gripper_.position < 180 ? gripper_.position : 180) * (2400 - 544) / 180;
   }
-  std::uint64_t bytes_lost() const { return bytes_lost_; }
+  std::uint64_t bytes_lost() const override { return bytes_lost_; }
 
  private:
   using Words = bigrobotarm::Words;
@@ -104,7 +108,7 @@ class BigRobotArmFirmware {
   bool text_of(BigRobotArmDialect dialect) const {
     return settings_.wire == BigRobotArmWire::kText && settings_.dialect == dialect;
   }
-  bool deaf() const { return dead_ || held_ || (moving_ && !queue_running_); }
+  bool holds_input() const { return dead_ || held_ || (moving_ && !queue_running_); }
   void boot();
   void process();
   bool next_byte(std::uint8_t& byte);

@@ -64,12 +64,12 @@ DriverHealth BigRobotArmDriver::health() const {
 }
 
 DeviceFacts BigRobotArmDriver::facts() const {
-  return DeviceFacts(
-      BigRobotArmFacts{.wire = device_.wire,
-                       .dialect = device_.dialect,
-                       .status = heard_,
-                       .looks_like_boot = heard_ && channel_.looks_like_boot(heard_->what),
-                       .wants_declaration = wants_declaration()});
+  return DeviceFacts(BigRobotArmFacts{
+      .wire = device_.wire,
+      .dialect = device_.dialect,
+      .status = heard_,
+      .looks_like_boot = heard_ && channel_.start_in(heard_->what) == BigRobotArmStart::kAnew,
+      .wants_declaration = wants_declaration()});
 }
 
 // Opening, closing, and what happens in between.
@@ -267,7 +267,7 @@ void BigRobotArmDriver::settle(const Status& status, Instant now) {
   if (answered != Step::kRecover && as_expected(status)) return go_on_after(answered, now);
   const auto joint = difference(status.positions, belief_.going() ? target_ : belief_.steps(), 0);
   const bool strayed = !is_familiar(status);
-  belief_.judge(status, channel_.looks_like_boot(status));
+  belief_.judge(status, channel_.start_in(status));
   if (wandered || (strayed && is_outside(status.positions))) belief_.lose();
   channel_.set_offset(belief_.offset());
   multipliers_ = {status.speeds, status.accelerations};

@@ -324,16 +324,18 @@ void BigRobotArmChannel::take_status(const Status& status, Instant now) {
   state_ = State::kIdle;
   deadline_.reset();
   doubt_told_ = false;
-  tell(StatusRead{angles_of(positions_), status, after_doubt, looks_like_boot(status), deaf_});
+  tell(StatusRead{angles_of(positions_), status, after_doubt, deaf_});
   noise_ = deaf_ = false;
 }
 
-bool BigRobotArmChannel::looks_like_boot(const Status& status) const {
+BigRobotArmStart BigRobotArmChannel::start_in(const Status& status) const {
   Words boot{};
   for (std::size_t i = 0; i < kJoints; ++i) boot[i] = device_.joints[i].multiplier_boot;
-  return status.positions == Words{} && !compare(status.speeds, boot, kEchoTolerance) &&
-         !compare(status.accelerations, boot, kEchoTolerance) && !status.sync &&
-         status.gripper.value_or(Gripper{true, 90}) == Gripper{true, 90};
+  const bool as_built = !compare(status.speeds, boot, kEchoTolerance) &&
+                        !compare(status.accelerations, boot, kEchoTolerance) && !status.sync &&
+                        status.gripper.value_or(Gripper{true, 90}) == Gripper{true, 90};
+  if (!as_built) return BigRobotArmStart::kNone;
+  return status.positions == Words{} ? BigRobotArmStart::kAnew : BigRobotArmStart::kKept;
 }
 
 void BigRobotArmChannel::poll(Instant now) {

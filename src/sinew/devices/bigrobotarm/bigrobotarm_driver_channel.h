@@ -66,7 +66,6 @@ class BigRobotArmChannel {
     bigrobotarm::Status status;
     bool after_doubt = false;  ///< not asked for: the driver opened or recovered
     /// All values are those of power-up: the board may have been reset, and its zero moved.
-    bool looks_like_boot = false;
     /// It was silent for kDeafAsks questions and more, after bytes that nobody asked for: it may
     /// have made a motion that noise had ordered.
     bool was_deaf = false;
@@ -120,8 +119,8 @@ class BigRobotArmChannel {
   Expected<bigrobotarm::Words> steps_of(const BigRobotArmAngles& q) const;
   /// Where the model is when the device reports `steps`.
   BigRobotArmAngles angles_of(const bigrobotarm::Words& steps) const;
-  /// The device set up as at power-up: it may have been reset, and its zero moved.
-  bool looks_like_boot(const bigrobotarm::Status& status) const;
+  /// Whether the device is set up as at power-up: it may have been reset, and its zero moved.
+  BigRobotArmStart start_in(const bigrobotarm::Status& status) const;
 
   /// Takes a command back that has not begun to leave. @return whether there was one
   bool withdraw();

@@ -132,7 +132,7 @@ TEST(BigRobotArmChannel, open_waits_for_quiet_and_reads_the_status_first) {
   const auto* status = cell.last<Channel::StatusRead>();
   ASSERT_NE(status, nullptr);
   EXPECT_TRUE(status->after_doubt);
-  EXPECT_TRUE(status->looks_like_boot);
+  EXPECT_EQ(cell.channel.start_in(status->status), BigRobotArmStart::kAnew);
 }
 
 TEST(BigRobotArmChannel, documented_goto_sends_its_bytes_and_ends_with_its_positions) {
@@ -197,7 +197,7 @@ TEST(BigRobotArmChannel, every_setting_is_sent_and_its_echo_checked) {
     ASSERT_NE(read, nullptr);
     EXPECT_EQ(read->status.speeds, (Words{100, 1, 300, 12, 14}));
     EXPECT_EQ(read->status.accelerations, (Words{270, 268, 3, 4, 5}));
-    EXPECT_FALSE(read->looks_like_boot);
+    EXPECT_EQ(cell.channel.start_in(read->status), BigRobotArmStart::kNone);
     EXPECT_FALSE(read->after_doubt);
   }
 }

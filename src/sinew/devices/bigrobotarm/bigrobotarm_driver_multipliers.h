@@ -7,6 +7,13 @@
 
 namespace sinew {
 
+/// What a status shows of its board's past.
+enum class BigRobotArmStart : std::uint8_t {
+  kNone,  ///< it runs on
+  kKept,  ///< it started again, with its counters kept (our firmware does that)
+  kAnew,  ///< it started again, or was switched on, and counts from 0
+};
+
 /// Speeds and accelerations of one move, hundredths of a motor revolution per s and s^2.
 struct BigRobotArmMultipliers {
   bigrobotarm::Words speeds{};

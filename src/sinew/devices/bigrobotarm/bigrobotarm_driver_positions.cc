@@ -87,7 +87,9 @@ void BigRobotArmPositions::doubt() {
   doubted_ = heard_;
 }
 
-void BigRobotArmPositions::judge(const Status& status, bool boot) {
+void BigRobotArmPositions::judge(const Status& status, BigRobotArmStart start) {
+  const bool boot = start == BigRobotArmStart::kAnew;
+  const bool kept = start == BigRobotArmStart::kKept;
   const Words from = steps_;
   const bool first = !heard_;
   const bool as_left = status.positions == from;
@@ -101,12 +103,9 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
     const auto said =
         std::exchange(pending_, std::nullopt).value_or(std::array<JointPosition, kJoints>{});
     take_declaration(said);
-    if (boot) {
-      widen_by_snap();
-    } else {
-      settle_by_count(said);
-    }
-  } else if (boot && going_) {
+    if (!boot) settle_by_count(said);
+    if (boot || kept) widen_by_snap();
+  } else if ((boot || kept) && going_) {
     lose();
   } else if (boot) {
     for (std::size_t i = 0; i < kJoints; ++i) {
@@ -114,6 +113,7 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
     }
     widen_by_snap();
   } else if (as_left || as_asked) {
+    if (kept) widen_by_snap();
   } else if (reopened_) {
     // Another host had it: its count is evidence, and where the arm stands is not known.
     std::array<std::optional<double>, kJoints> tied{};
@@ -124,7 +124,7 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
     reach_from_zero(from);
   }
   going_ = doubted_ = reopened_ = false;
-  if (boot) between_rests_.fill(true);
+  if (boot || kept) between_rests_.fill(true);
 }
 
 /// So far that a rotor anywhere between two rests has found one.

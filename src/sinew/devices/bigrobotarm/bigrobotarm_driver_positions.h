@@ -27,6 +27,7 @@ namespace sinew {
 ///   the steps we left, or were going to   | those
 ///   power-up values, at rest before       | the place we left, uncertain by two full steps more
 ///   power-up values, in motion before     | lost
+///   counters kept over a restart          | as they count, uncertain by two full steps more
 ///   all steps 0 and nobody sent it there  | uncertain from the place we left to the zero: a
 ///                                         | damaged request reset the counters, or went home
 ///   other steps, another host between     | lost
@@ -65,8 +66,7 @@ class BigRobotArmPositions {
   /// It went where its mechanical ends are, and its motors may have slipped there.
   void lose();
   /// A status that two readings agree on.
-  /// @param boot  its values are those of power-up.
-  void judge(const bigrobotarm::Status& status, bool boot);
+  void judge(const bigrobotarm::Status& status, BigRobotArmStart start);
 
   const Words& steps() const { return steps_; }
   const Angles& offset() const { return offset_; }

@@ -49,7 +49,8 @@ class EveryDevice : public ::testing::TestWithParam<std::tuple<BigRobotArmProfil
 };
 INSTANTIATE_TEST_SUITE_P(BigRobotArm, EveryDevice,
                          ::testing::Combine(::testing::Values(BigRobotArmProfile::kDocument,
-                                                              BigRobotArmProfile::kAsBuilt),
+                                                              BigRobotArmProfile::kAsBuilt,
+                                                              BigRobotArmProfile::kOwn),
                                             ::testing::Values(0, 1, 2)));
 
 TEST_P(EveryDevice, move_goes_there_and_joints_arrive_together) {

@@ -5,6 +5,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_device_own.h"
 
 namespace sinew::sim {
 namespace {
@@ -25,6 +26,14 @@ const BigRobotArmDevice& device_of(const RobotModel& robot) {
   const auto* device = robot.device.settings.as<BigRobotArmDevice>();
   SINEW_ASSERT(device != nullptr && robot.joints.size() == kJoints);
   return *device;
+}
+
+std::unique_ptr<BigRobotArmBoard> make_board(const BigRobotArmDevice& device, Instant boot,
+                                             BigRobotArmProfile profile) {
+  if (profile == BigRobotArmProfile::kOwn) {
+    return std::make_unique<BigRobotArmOwnBoard>(device, boot);
+  }
+  return std::make_unique<BigRobotArmFirmware>(device, boot, profile);
 }
 
 BigRobotArmDevice with_dialect(BigRobotArmDevice device, BigRobotArmDialect dialect) {
@@ -115,7 +124,7 @@ std::array<BigRobotArmMachine::Axis, kJoints> BigRobotArmMachine::make_axes(
 BigRobotArmMachine::BigRobotArmMachine(const RobotModel& robot, BigRobotArmProfile profile,
                                        BigRobotArmDialect dialect, std::uint64_t seed, Instant boot)
     : device_(with_dialect(device_of(robot), dialect)),
-      firmware_(device_, boot, profile),
+      firmware_(make_board(device_, boot, profile)),
       load_(std::get<SerialGeometry>(robot.geometry), dynamics_of(robot)),
       axes_(make_axes(robot, dynamics_of(robot), load_, seed)),
       volts_(kNominalVolts),
@@ -134,13 +143,13 @@ bool BigRobotArmMachine::supplied() const {
 
 void BigRobotArmMachine::port_opened(Instant now) {
   advance(now);
-  if (supplied()) restart(kBootLoader);
+  if (supplied()) restart(kBootLoader, false);
 }
 
 /// The worst that it can do: the power stages forget their phase as well.
-void BigRobotArmMachine::restart(Duration deaf) {
-  firmware_.reset(now_, deaf);
-  const auto pulses = firmware_.rotor_steps(now_);
+void BigRobotArmMachine::restart(Duration deaf, bool power) {
+  firmware_->restart(now_, deaf, power);
+  const auto pulses = firmware_->rotor_steps(now_);
   for (std::size_t i = 0; i < kJoints; ++i) {
     axes_[i].motor.set_power(false);
     axes_[i].motor.set_power(true);
@@ -159,15 +168,15 @@ void BigRobotArmMachine::advance(Instant now) {
     }
     tick(ticked_ + kTick);
   }
-  if (supplied()) firmware_.advance(now);
+  if (supplied()) firmware_->advance(now);
 }
 
 bool BigRobotArmMachine::at_rest() const {
-  if (supplied() && (firmware_.moving() || firmware_.next_event())) return false;
+  if (supplied() && (firmware_->moving() || firmware_->next_event())) return false;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const Axis& axis = axes_[i];
     const double coulomb = axis.drive.coulomb_friction * std::abs(axis.joint_per_motor);
-    if (axis.pulses != firmware_.rotor_steps(now_)[i]) return false;
+    if (axis.pulses != firmware_->rotor_steps(now_)[i]) return false;
     if (!axis.motor.settled(axis.load(load_.torque(i)), coulomb)) return false;
   }
   return true;
@@ -175,7 +184,7 @@ bool BigRobotArmMachine::at_rest() const {
 
 /// As physics has it. A motion that the firmware never ends, since a joint's speed is 0, is none.
 bool BigRobotArmMachine::turning() const {
-  const auto pulses = firmware_.rotor_steps(std::max(ticked_, now_));
+  const auto pulses = firmware_->rotor_steps(std::max(ticked_, now_));
   return std::ranges::any_of(axes_, [&](const Axis& axis) {
     const auto i = static_cast<std::size_t>(&axis - axes_.data());
     const double coulomb = axis.drive.coulomb_friction * std::abs(axis.joint_per_motor);
@@ -186,8 +195,8 @@ bool BigRobotArmMachine::turning() const {
 
 void BigRobotArmMachine::tick(Instant end) {
   const bool on = supplied();
-  if (on) firmware_.advance(end);
-  const auto pulses = on ? firmware_.rotor_steps(end) : firmware_.rotor_steps(ticked_);
+  if (on) firmware_->advance(end);
+  const auto pulses = on ? firmware_->rotor_steps(end) : firmware_->rotor_steps(ticked_);
   update_load();
   for (std::size_t i = 0; i < kJoints; ++i) {
     Axis& axis = axes_[i];
@@ -209,12 +218,12 @@ void BigRobotArmMachine::update_load() {
 }
 
 std::optional<Instant> BigRobotArmMachine::next_event() const {
-  return supplied() ? firmware_.next_event() : std::nullopt;
+  return supplied() ? firmware_->next_event() : std::nullopt;
 }
 
 Truth BigRobotArmMachine::truth() const {
   Truth truth;
-  const auto counted = firmware_.counted_steps(std::max(ticked_, now_));
+  const auto counted = firmware_->counted_steps(std::max(ticked_, now_));
   for (std::size_t i = 0; i < kJoints; ++i) {
     const Axis& axis = axes_[i];
     truth.joints.push_back({.q = axis.q(),
@@ -225,9 +234,9 @@ Truth BigRobotArmMachine::truth() const {
   }
   truth.supply_volts = volts_;
   truth.moving = turning();
-  truth.deaf = supplied() && firmware_.moving();
-  truth.tool = firmware_.gripper().position * kPi / 180;
-  truth.bytes_lost = firmware_.bytes_lost();
+  truth.deaf = supplied() && firmware_->deaf();
+  truth.tool = firmware_->gripper().position * kPi / 180;
+  truth.bytes_lost = firmware_->bytes_lost();
   return truth;
 }
 
@@ -256,9 +265,9 @@ void BigRobotArmMachine::disturb(const Disturbance& what) {
       for (Axis& axis : axes_) axis.motor.set_supply_ratio(volts_ / kNominalVolts);
       if (was_on && !supplied()) {
         for (Axis& axis : axes_) axis.motor.set_power(false);
-        firmware_.reset(now_);
+        firmware_->restart(now_, Duration::zero(), true);
       }
-      if (!was_on && supplied()) restart(kBootLoader);
+      if (!was_on && supplied()) restart(kBootLoader, true);
       break;
     case Disturbance::Kind::kPayload:
       load_.set_payload(what.value);
@@ -286,11 +295,11 @@ void BigRobotArmMachine::disturb(const Disturbance& what) {
 
 void BigRobotArmMachine::receive(std::span<const std::uint8_t> bytes, Instant now) {
   advance(now);
-  if (supplied()) firmware_.receive(bytes, now);
+  if (supplied()) firmware_->receive(bytes, now);
 }
 
 std::size_t BigRobotArmMachine::take_output(std::span<std::uint8_t> out) {
-  return supplied() ? firmware_.take_output(out) : 0;
+  return supplied() ? firmware_->take_output(out) : 0;
 }
 
 }  // namespace sinew::sim

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "sinew/devices/bigrobotarm/bigrobotarm_device.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
@@ -46,7 +47,7 @@ class BigRobotArmMachine : public ByteMachine {
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override;
 
-  const BigRobotArmFirmware& firmware() const { return firmware_; }
+  const BigRobotArmBoard& firmware() const { return *firmware_; }
   Instant now() const { return now_; }
 
  private:
@@ -74,11 +75,11 @@ class BigRobotArmMachine : public ByteMachine {
   bool at_rest() const;  ///< nothing will happen by itself
   bool turning() const;
   void update_load();
-  void restart(Duration deaf);
+  void restart(Duration deaf, bool power);
   bool supplied() const;
 
   const BigRobotArmDevice device_;
-  BigRobotArmFirmware firmware_;
+  std::unique_ptr<BigRobotArmBoard> firmware_;
   std::array<double, bigrobotarm::kJoints> lower_{};
   std::array<double, bigrobotarm::kJoints> upper_{};
   ArmLoad load_;

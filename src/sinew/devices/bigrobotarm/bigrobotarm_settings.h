@@ -55,7 +55,7 @@ struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
   std::optional<Error> target_refusal(const RobotModel& robot, std::span<const double> q,
                                       std::span<const double> from) const override;
   std::optional<Error> gripper_refusal(const GripperTo& gripper) const override;
-  std::vector<std::string> profiles() const override { return {"document", "as-built"}; }
+  std::vector<std::string> profiles() const override { return {"document", "as-built", "sinew"}; }
   std::vector<std::string> wires() const override;
   void use_wire(const std::string& name, Device& device) override;
   bool use_setting(const DeviceSetting& setting, Device& device) override;

@@ -1,0 +1,260 @@
+#include "sinew/mcu/arm_board.h"
+
+#include "sinew/mcu/interrupts.h"
+
+namespace sinew {
+namespace mcu {
+
+using arm_link::Fault;
+using arm_link::Kind;
+using arm_link::Reference;
+
+ArmBoard::ArmBoard(const ArmBoardFacts& facts, KeptPositions& kept)
+    : facts_(facts), kept_(kept), commands_(motion_, out_, facts.axes) {
+  const KeptPositions::Slot* const found = kept.find();
+  if (found != nullptr) {
+    memory_ = *found;
+    reference_ = Reference::kKept;
+    if (memory_.moving != 0) fault_ = Fault::kRestart;
+    if (memory_.moving != 0 || memory_.uncertain != 0) reference_ = Reference::kKeptMoving;
+    int32_t positions[kArmAxes];
+    for (uint8_t i = 0; i < kArmAxes; ++i) positions[i] = memory_.steps[i] * 256;
+    motion_.set_positions(positions);
+    commands_.sync_targets();
+  }
+  memory_.moving = 0;
+  memory_.uncertain = reference_ == Reference::kKeptMoving ? 1 : 0;
+  ++memory_.starts;
+  kept_.keep(memory_);
+}
+
+bool ArmBoard::takes() const {
+  return wire_ == Wire::kFrames ? out_.has_room() : commands_.takes();
+}
+
+void ArmBoard::receive(uint8_t byte, uint32_t now_ms) {
+  now_ms_ = now_ms;
+  const uint32_t quiet = now_ms - heard_ms_;
+  heard_ms_ = now_ms;
+  if (quiet > kHalfFrameMs) {
+    frames_.reset();
+    in_frame_ = false;
+  }
+  // Half a request of a host that died does not swallow the next one's. Text may be typed by hand.
+  if (quiet > kHalfRequestMs) bytes_.reset();
+  const uint8_t size = frames_.push(byte);
+  arm_link::Request request;
+  if (size > 0 && arm_link::decode(frames_.frame(), size, request)) {
+    in_frame_ = false;
+    wire_ = Wire::kFrames;
+    receive_frame(request);
+    return;
+  }
+  if (wire_ == Wire::kFrames) return;
+  // No request of the old wires begins with 00.
+  const bool idle = !bytes_.begun() && !lines_.begun();
+  if (byte == 0 && (in_frame_ || idle)) {
+    in_frame_ = size == 0;
+    return;
+  }
+  if (!in_frame_) receive_old(byte);
+}
+
+/// A letter begins a line, everything else is of the byte wire.
+void ArmBoard::receive_old(uint8_t byte) {
+  if (wire_ == Wire::kOpen || (!bytes_.begun() && !lines_.begun())) {
+    const bool letter = (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z');
+    if (wire_ == Wire::kOpen && !bytes_.begun()) choose_old(letter);
+  }
+  const bool text = wire_ == Wire::kText;
+  const ArmCommand command = text ? lines_.push(static_cast<char>(byte)) : bytes_.push(byte);
+  if (command.kind == CommandKind::kNone) return;
+  if (command.kind == CommandKind::kReset && !motion_.moving()) {
+    reference_ = Reference::kSaid;
+    memory_.uncertain = 0;
+  }
+  commands_.take(command, text ? lines_.line() : nullptr,
+                 static_cast<uint8_t>(text ? lines_.size() : 0));
+}
+
+/// The old wires cannot say that positions are uncertain: counters that were kept in a motion begin
+/// at 0, as with the maker's firmware.
+void ArmBoard::choose_old(bool text) {
+  wire_ = text ? Wire::kText : Wire::kBytes;
+  commands_.set_text(text);
+  if (reference_ != Reference::kKeptMoving) return;
+  const int32_t zeros[kArmAxes] = {};
+  motion_.set_positions(zeros);
+  commands_.sync_targets();
+  reference_ = Reference::kPowerUp;
+  memory_.uncertain = 0;
+}
+
+void ArmBoard::receive_frame(const arm_link::Request& request) {
+  const bool mine = session_ != 0 && request.session == session_;
+  if (mine) host_heard_ms_ = now_ms_;
+  if (request.kind == Kind::kHello) {
+    open_session(request);
+  } else if (request.kind == Kind::kStop) {
+    if (is_due(request)) sequence_ = request.sequence;
+    brake(Fault::kStopAsked);
+  } else if (is_due(request)) {
+    carry_out(request);
+  }
+  reply(request.kind);
+}
+
+/// It is the next one of the session: what comes twice, or behind a gap, is not carried out.
+bool ArmBoard::is_due(const arm_link::Request& request) const {
+  return session_ != 0 && request.session == session_ && arm_link::is_numbered(request.kind) &&
+         request.sequence == static_cast<uint16_t>(sequence_ + 1);
+}
+
+void ArmBoard::open_session(const arm_link::Request& request) {
+  // Whoever moved the arm before has lost it.
+  if (motion_.moving()) brake(Fault::kStopAsked);
+  last_session_ = static_cast<uint8_t>(last_session_ == 255 ? 1 : last_session_ + 1);
+  session_ = last_session_;
+  sequence_ = request.sequence;
+  deadline_ms_ = request.deadline_ms;
+  host_heard_ms_ = now_ms_;
+  for (uint8_t i = 0; i < kArmAxes; ++i) {
+    // Steps per s^2, in grains per ms^2: 1.048576 times as many.
+    const uint32_t steps = request.brakings[i];
+    brakings_[i] = steps + (steps * 3184 >> 16) + 1;
+  }
+}
+
+void ArmBoard::carry_out(const arm_link::Request& request) {
+  if (request.kind == Kind::kSegment) return take_segment(request.segment);
+  sequence_ = request.sequence;
+  if (request.kind == Kind::kRelease) release();
+  if (request.kind == Kind::kGripper) {
+    gripper_on_ = request.gripper_on;
+    if (gripper_on_ && !stop_line_) motion_.gripper_to(request.gripper, request.gripper_ms);
+  }
+  if (request.kind == Kind::kPositions && !motion_.moving()) {
+    motion_.set_positions(request.positions);
+    reference_ = Reference::kSaid;
+    memory_.uncertain = 0;
+  }
+}
+
+/// Where the queue is full it is not carried out, and the host sends it again.
+void ArmBoard::take_segment(const ArmSegment& segment) {
+  const uint16_t next = static_cast<uint16_t>(sequence_ + 1);
+  if (fault_ != Fault::kNone || stop_line_ || motion_.stopping()) {
+    sequence_ = next;
+    return;
+  }
+  const SegmentRefusal refusal = motion_.push(segment);
+  if (refusal == SegmentRefusal::kFull) return;
+  sequence_ = next;
+  if (refusal != SegmentRefusal::kNone) brake(Fault::kRefused);
+}
+
+/// The first cause stays.
+void ArmBoard::brake(Fault fault) {
+  motion_.stop(brakings_);
+  if (fault_ == Fault::kNone) fault_ = fault;
+}
+
+void ArmBoard::release() {
+  if (motion_.moving() || stop_line_) return;
+  fault_ = Fault::kNone;
+}
+
+void ArmBoard::poll(uint32_t now_ms) {
+  now_ms_ = now_ms;
+  if (frozen_) {
+    frozen_ = false;
+    commands_.sync_targets();
+    if (wire_ == Wire::kFrames && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
+  }
+  commands_.set_blocked(stop_line_);
+  if (wire_ != Wire::kFrames) {
+    commands_.set_free_memory(health_.stack_free);
+    commands_.poll();
+    return;
+  }
+  if (stop_line_ && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
+  if (motion_.coasting()) brake(Fault::kUnderrun);
+  if (session_ == 0 || now_ms - host_heard_ms_ <= deadline_ms_) return;
+  // At rest a host may go; in motion nothing does without one.
+  if (motion_.moving()) brake(Fault::kHostSilent);
+  session_ = 0;
+}
+
+void ArmBoard::slice(bool stop_line) {
+  stop_line_ = stop_line;
+  if (stop_line && motion_.moving()) {
+    motion_.freeze();
+    frozen_ = true;
+  } else {
+    motion_.slice();
+  }
+  keep();
+}
+
+/// The motors' steps, where they have changed. In motion some slices are left out: a restart then
+/// leaves them uncertain in any case.
+void ArmBoard::keep() {
+  const uint8_t moving = motion_.moving() ? 1 : 0;
+  left_out_ = static_cast<uint8_t>((left_out_ + 1) & 3);
+  if (moving == memory_.moving && moving != 0 && left_out_ != 0) return;
+  bool changed = false;
+  for (uint8_t i = 0; i < kArmAxes; ++i) {
+    const int32_t steps = motion_.pulses().steps(i);
+    changed = changed || steps != memory_.steps[i];
+    memory_.steps[i] = steps;
+  }
+  if (!changed && moving == memory_.moving) return;
+  memory_.moving = moving;
+  kept_.keep(memory_);
+}
+
+void ArmBoard::reply(Kind kind) {
+  arm_link::Reply reply = {};
+  reply.kind = kind;
+  reply.session = session_;
+  reply.sequence = sequence_;
+  if (kind == Kind::kIdentity) {
+    for (uint8_t i = 0; i < arm_link::kIdentitySize; ++i) reply.identity[i] = facts_.identity[i];
+  } else if (kind == Kind::kStatistics) {
+    reply.starts = memory_.starts;
+    reply.reset_cause = health_.reset_cause;
+    reply.stack_free = health_.stack_free;
+    reply.late_slices = motion_.pulses().late();
+    reply.loop_us_max = health_.loop_us_max;
+    reply.bytes_lost = health_.bytes_lost;
+    reply.frames_bad = frames_.dropped();
+  } else {
+    put_state(reply);
+  }
+  uint8_t frame[arm_link::kReplyMax];
+  uint8_t stuffed[kStuffedMax];
+  const uint8_t size = stuff(frame, arm_link::encode(reply, frame), stuffed);
+  for (uint8_t i = 0; i < size; ++i) out_.put(stuffed[i]);
+}
+
+void ArmBoard::put_state(arm_link::Reply& reply) const {
+  reply.moving = motion_.moving();
+  reply.stopping = motion_.stopping();
+  reply.stop_line = stop_line_;
+  reply.fault = fault_;
+  reply.reference = reference_;
+  reply.queued_ms = motion_.queued_ms();
+  reply.queue_room = motion_.queue_room();
+  for (uint8_t i = 0; i < kArmAxes; ++i) reply.positions[i] = motion_.position(i);
+  reply.gripper_on = gripper_on_;
+  reply.gripper_moves = motion_.gripper().moving();
+  reply.gripper = motion_.gripper().angle();
+}
+
+uint16_t ArmBoard::gripper_us() const {
+  const uint32_t angle = motion_.gripper().angle();
+  return static_cast<uint16_t>(545 + angle * (2400 - 544) / kGripperMax);
+}
+
+}  // namespace mcu
+}  // namespace sinew
