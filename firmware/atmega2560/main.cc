@@ -25,6 +25,8 @@ mcu::ArmBoard board(facts, kept);
 SerialPort port;
 volatile uint32_t slices = 0;
 volatile uint16_t servo_us = 0;
+volatile bool slicing = false;
+constexpr uint8_t kBytesAtOnce = 16;
 uint8_t steps_due = 0;
 
 uint32_t now_ms() {
@@ -57,25 +59,29 @@ void send_replies() {
   mcu::ArmBoardHealth health = {};
   health.reset_cause = reset_cause;
   uint32_t seen = now_ms();
-  uint32_t stack_seen = seen - 1000;
+  uint32_t begun_ms = seen;
   uint16_t began = TCNT4;
   for (;;) {
-    while (port.has_input() && board.takes()) board.receive(port.take(), now_ms());
+    // Some at a time: a host that never stops does not keep the loop from its other work.
+    for (uint8_t left = kBytesAtOnce; left > 0 && port.has_input() && board.takes(); --left) {
+      board.receive(port.take(), now_ms());
+    }
     const uint32_t now = now_ms();
     board.poll(now);
     send_replies();
     // A slice that does not come is as bad as a loop that hangs.
     if (now != seen) wdt_reset();
     seen = now;
-    if (now - stack_seen >= 1000) {
-      stack_seen = now;
-      health.stack_free = unused_stack();
-      set_led((now >> 10 & 1) != 0);
-      began = TCNT4;
-    }
+    health.stack_free = unused_stack();
+    set_led((now >> 10 & 1) != 0);
     health.bytes_lost = port.bytes_lost();
-    const uint16_t took = static_cast<uint16_t>((TCNT4 - began) / 2);
-    began = TCNT4;
+    // The timer turns in 33 ms.
+    const uint32_t round_ms = now - begun_ms;
+    const uint16_t ended = TCNT4;
+    uint16_t took = static_cast<uint16_t>(static_cast<uint16_t>(ended - began) / 2);
+    if (round_ms > 30) took = round_ms > 60 ? 60000 : static_cast<uint16_t>(round_ms * 1000);
+    began = ended;
+    begun_ms = now;
     if (took > health.loop_us_max) health.loop_us_max = took;
     board.set_health(health);
     const uint16_t us = board.gripper_us();
@@ -115,9 +121,14 @@ ISR(TIMER1_COMPA_vect) {
 /// Planning the next slice takes longer than a tick: ticks break into it.
 ISR(TIMER5_COMPA_vect) {
   TIMSK5 = 0;
-  sei();
   slices = slices + 1;
+  // One that takes longer than its time is not begun in itself; the pulses count it as late.
+  if (slicing) return;
+  slicing = true;
+  sei();
   board.slice(stop_line_low());
+  cli();
+  slicing = false;
 }
 
 ISR(USART0_RX_vect) {

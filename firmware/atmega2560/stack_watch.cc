@@ -21,12 +21,23 @@ __attribute__((naked, used, section(".init4"))) void paint_stack() {
 
 namespace sinew {
 namespace atmega {
+namespace {
+
+constexpr uint8_t kBytesAtOnce = 8;
+
+}  // namespace
 
 uint16_t unused_stack() {
-  const uint8_t* place = &__heap_start;
   const uint8_t paint = 0xC5;
-  while (place < &__stack && *place == paint) ++place;
-  return static_cast<uint16_t>(place - &__heap_start);
+  static const uint8_t* place = &__heap_start;
+  static const uint8_t* used = &__stack;  // the lowest that was found
+  for (uint8_t left = kBytesAtOnce; left > 0; --left, ++place) {
+    if (place < used && *place == paint) continue;
+    used = place;
+    place = &__heap_start;
+    break;
+  }
+  return static_cast<uint16_t>(used - &__heap_start);
 }
 
 }  // namespace atmega

@@ -47,7 +47,7 @@ AvrBoard::AvrBoard(AvrChip chip, const std::string& image) {
   avr_ = avr_make_mcu_by_name(chip == AvrChip::kAtmega328p ? "atmega328p" : "atmega2560");
   if (avr_ == nullptr) throw std::runtime_error("libsimavr does not know the chip");
   avr_init(avr_);
-  avr_->log = LOG_ERROR;
+  avr_->log = LOG_NONE;
   avr_->frequency = kHertz;
   if (bytes.size() > avr_->flashend + 1) throw std::runtime_error(image + " is too large");
   std::ranges::copy(bytes, reinterpret_cast<char*>(avr_->flash));
@@ -87,10 +87,8 @@ std::size_t AvrBoard::untouched_ram() const {
 
 void AvrBoard::run_until(Duration time) {
   while (now() < time) {
-    if (hangs_at_) avr_->pc = *hangs_at_;
     const int state = avr_run(avr_);
     if (avr_->pc == avr_->reset_pc) {
-      hangs_at_.reset();
       ++restarts_;
       if (restarted_) restarted_();
     }
@@ -104,7 +102,6 @@ void AvrBoard::run_until(Duration time) {
 void AvrBoard::reset() {
   avr_reset(avr_);
   avr_->pc = avr_->reset_pc;
-  hangs_at_.reset();
 }
 
 void AvrBoard::fill_ram(const std::function<std::uint8_t()>& noise) {
@@ -112,7 +109,11 @@ void AvrBoard::fill_ram(const std::function<std::uint8_t()>& noise) {
 }
 
 void AvrBoard::hang() {
-  hangs_at_ = avr_->pc;
+  const std::uint32_t place = avr_->flashend - 1;
+  // A jump to itself.
+  avr_->flash[place] = 0xFF;
+  avr_->flash[place + 1] = 0xCF;
+  avr_->pc = place;
 }
 
 bool AvrBoard::drives_low(char port, int pin) const {

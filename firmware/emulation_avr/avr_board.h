@@ -52,7 +52,7 @@ class AvrBoard {
   void reset();
   /// Power was off: memory holds `noise`.
   void fill_ram(const std::function<std::uint8_t()>& noise);
-  /// The program counter stays where it is until the next reset, as in a program that hangs.
+  /// The program goes round in a loop from here on, until the next reset.
   void hang();
   /// Resets by the chip itself: of its watchdog.
   int restarts() const { return restarts_; }
@@ -73,7 +73,6 @@ class AvrBoard {
   avr_t* avr_ = nullptr;
   std::vector<std::unique_ptr<Hook>> hooks_;
   std::string printed_;
-  std::optional<std::uint32_t> hangs_at_;
   int restarts_ = 0;
   std::function<void()> restarted_;
 };

@@ -17,14 +17,16 @@ using arm_link::Reference;
 using arm_link::Reply;
 using arm_link::Request;
 
-bool TestHost::open(std::uint16_t deadline_ms) {
+bool TestHost::open(std::uint16_t deadline_ms, double braking) {
   Request hello = {};
   hello.kind = Kind::kHello;
   hello.sequence = sequence_;
   hello.deadline_ms = deadline_ms;
   // The limits of power-up.
   const std::uint16_t brakings[] = {6400, 400, 3200, 3200, 3200};
-  for (std::size_t i = 0; i < kArmAxes; ++i) hello.brakings[i] = brakings[i];
+  for (std::size_t i = 0; i < kArmAxes; ++i) {
+    hello.brakings[i] = static_cast<std::uint16_t>(braking * brakings[i]);
+  }
   if (!tell(hello)) return false;
   session_ = state_->session;
   return session_ != 0 && state_->sequence == sequence_;
@@ -281,7 +283,7 @@ void follows_a_stream(BoardUnderTest& board) {
 
 void carries_a_gripper_along(BoardUnderTest& board) {
   TestHost host(board);
-  ASSERT_TRUE(host.open());
+  ASSERT_TRUE(host.open(500));
   Request one = host.segment({10, 0, 0, 0, 0}, {});
   one.segment.ms = 50;
   one.segment.begin = true;
@@ -536,6 +538,146 @@ void two_byte_axes_arrive_together(BoardUnderTest& board) {
   EXPECT_EQ(board.steps(2), -300);
 }
 
+void a_frame_that_comes_into_an_old_motion_brakes_it(BoardUnderTest& board) {
+  board.ask(ended(words(1, {6000, 0, 0, 0, 0})), 600);
+  const double moving = static_cast<double>(board.steps(0));
+  EXPECT_GT(moving, 300);
+  TestHost host(board);
+  ASSERT_TRUE(host.open(500));
+  board.run_ms(700);
+  const std::int64_t stopped = board.steps(0);
+  EXPECT_LT(static_cast<double>(stopped), moving + 1500);
+  board.run_ms(300);
+  EXPECT_EQ(board.steps(0), stopped);
+  const auto state = host.read();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->fault, Fault::kStopAsked);
+  EXPECT_EQ((state->positions[0] + 128) >> 8, stopped);
+}
+
+void no_braking_takes_for_ever(BoardUnderTest& board) {
+  TestHost host(board);
+  ASSERT_TRUE(host.open(500, 0));
+  ASSERT_TRUE(is_moving(board, host));
+  ASSERT_TRUE(host.tell(Kind::kStop));
+  board.run_ms(5100);
+  const auto state = host.read();
+  ASSERT_TRUE(state);
+  EXPECT_FALSE(state->moving);
+}
+
+/// Each of them begins with 02, once its first 00 is lost.
+void a_frame_without_its_beginning_moves_nothing(BoardUnderTest& board) {
+  board.ask(ended(words(1, {50, 0, 0, 0, 0})), 900);
+  ASSERT_EQ(board.steps(0), 50);
+  for (const Kind kind : {Kind::kRead, Kind::kIdentity, Kind::kHello}) {
+    Request request = {};
+    request.kind = kind;
+    request.deadline_ms = 100;
+    std::uint8_t plain[arm_link::kRequestMax];
+    std::uint8_t stuffed[kStuffedMax];
+    const std::uint8_t size = stuff(plain, arm_link::encode(request, plain), stuffed);
+    for (std::uint8_t cut = 1; cut < size; ++cut) {
+      board.ask(std::span(stuffed + cut, static_cast<std::size_t>(size - cut - 1)), 3);
+    }
+  }
+  board.run_ms(300);
+  EXPECT_EQ(board.steps(0), 50);
+  // Without its 0D it is none, and with another byte there neither.
+  board.ask(Bytes{0x0D}, 20);
+  board.ask(Bytes{2}, 150);
+  EXPECT_EQ(board.ask(Bytes{2, 7, 0x0D}), (Bytes{0xC9, 0x0D, 0x0A, 0xC8, 0x0D, 0x0A}));
+  board.run_ms(200);
+  EXPECT_EQ(board.steps(0), 50);
+}
+
+void a_stop_acts_whatever_waits(BoardUnderTest& board) {
+  board.ask(ended(words(1, {6000, 0, 0, 0, 0})), 400);
+  for (int i = 0; i < 4; ++i) board.ask(Bytes{6, 1, 40, 0x0D}, 5);
+  const Bytes stopped = board.ask(Bytes{ByteReader::kStopId, 0x0D}, 1000);
+  EXPECT_LT(board.steps(0), 2000);
+  EXPECT_GE(stopped.size(), 2U * 6 + 25 + 28);
+  EXPECT_EQ(board.ask(Bytes{8, 0x0D}).size(), 71U);
+}
+
+void what_waits_is_forgotten_with_its_session(BoardUnderTest& board) {
+  TestHost host(board);
+  ASSERT_TRUE(host.open(500));
+  Request wait = host.segment({100, 0, 0, 0, 0}, {});
+  board.set_stop_line(true);
+  ASSERT_TRUE(host.tell(wait));
+  board.set_stop_line(false);
+  board.run_ms(100);
+  EXPECT_EQ(board.steps(0), 0);
+  // Another host, while a segment waits for more.
+  ASSERT_TRUE(host.tell(Kind::kRelease));
+  Request one = host.segment({100, 0, 0, 0, 0}, {});
+  ASSERT_TRUE(host.tell(one));
+  TestHost other(board);
+  ASSERT_TRUE(other.open(20));
+  board.run_ms(150);
+  EXPECT_LE(std::abs(board.steps(0)), 100);
+  const auto state = other.read();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->queued_ms, 0);
+  EXPECT_EQ((state->positions[0] + 128) >> 8, board.steps(0));
+}
+
+void positions_are_not_set_while_a_segment_waits(BoardUnderTest& board) {
+  TestHost host(board);
+  ASSERT_TRUE(host.open(500));
+  ASSERT_TRUE(host.tell(host.segment({100, 0, 0, 0, 0}, {})));
+  Request said = host.next(Kind::kPositions);
+  said.positions[0] = 1'000'000 * 256;
+  ASSERT_TRUE(host.tell(said));
+  board.run_ms(200);
+  auto state = host.read();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(board.steps(0), 100);
+  EXPECT_EQ(state->positions[0], 100 * 256);
+  said = host.next(Kind::kPositions);
+  said.positions[1] = INT32_MAX;
+  ASSERT_TRUE(host.tell(said));
+  state = host.read();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->fault, Fault::kRefused);
+  EXPECT_EQ(state->positions[1], 0);
+}
+
+void noise_as_the_port_opens_decides_no_wire(BoardUnderTest& board) {
+  board.ask(Bytes{0xFF, 0x0D}, 20);
+  board.ask("xyz\r");
+  const Bytes reply = board.ask("M503\r", 60);
+  const std::string text(reply.begin(), reply.end());
+  EXPECT_NE(text.find("SYNC-MOTORS"), std::string::npos) << text;
+}
+
+void a_sequence_of_nothing_and_the_stop_line_end(BoardUnderTest& board) {
+  for (const char* line : {"BEGIN I127\r", "G92\r", "M203 B100\r", "G0 B9999999\r"})
+    board.ask(line);
+  const Bytes end = board.ask("END\r", 800);
+  const std::string text(end.begin(), end.end());
+  EXPECT_NE(text.find("SYNC-MOTORS"), std::string::npos) << text;
+  for (const char* line : {"BEGIN I127\r", "G0 B500\r", "G0 B0\r", "END\r"}) board.ask(line);
+  board.run_ms(200);
+  board.set_stop_line(true);
+  board.run_ms(300);
+  const std::int64_t stopped = board.steps(0);
+  board.set_stop_line(false);
+  board.run_ms(500);
+  EXPECT_EQ(board.steps(0), stopped);
+}
+
+void a_flood_of_bytes_leaves_it_alive(BoardUnderTest& board) {
+  TestHost host(board);
+  ASSERT_TRUE(host.open(500));
+  for (int i = 0; i < 40; ++i) board.ask(Bytes(250, 0x55), 10);
+  board.run_ms(60);
+  const auto state = host.read();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->fault, Fault::kNone);
+}
+
 }  // namespace
 
 std::vector<BoardPromise> board_promises() {
@@ -558,7 +700,17 @@ std::vector<BoardPromise> board_promises() {
       {"says_so_when_it_restarted_in_motion", says_so_when_it_restarted_in_motion},
       {"carries_out_each_request_once_and_in_order", carries_out_each_request_once_and_in_order},
       {"refuses_what_no_motor_follows", refuses_what_no_motor_follows},
-      {"survives_noise", survives_noise}};
+      {"survives_noise", survives_noise},
+      {"a_frame_that_comes_into_an_old_motion_brakes_it",
+       a_frame_that_comes_into_an_old_motion_brakes_it},
+      {"no_braking_takes_for_ever", no_braking_takes_for_ever},
+      {"a_frame_without_its_beginning_moves_nothing", a_frame_without_its_beginning_moves_nothing},
+      {"a_stop_acts_whatever_waits", a_stop_acts_whatever_waits},
+      {"what_waits_is_forgotten_with_its_session", what_waits_is_forgotten_with_its_session},
+      {"positions_are_not_set_while_a_segment_waits", positions_are_not_set_while_a_segment_waits},
+      {"noise_as_the_port_opens_decides_no_wire", noise_as_the_port_opens_decides_no_wire},
+      {"a_sequence_of_nothing_and_the_stop_line_end", a_sequence_of_nothing_and_the_stop_line_end},
+      {"a_flood_of_bytes_leaves_it_alive", a_flood_of_bytes_leaves_it_alive}};
 }
 
 }  // namespace sinew::mcu

@@ -22,8 +22,8 @@ class TestHost {
  public:
   explicit TestHost(BoardUnderTest& board) : board_(board) {}
 
-  /// @param deadline_ms  of the session
-  bool open(std::uint16_t deadline_ms = 100);
+  /// @param deadline_ms  of the session  @param braking  share of what the arm brakes with
+  bool open(std::uint16_t deadline_ms = 100, double braking = 1);
   arm_link::Request next(arm_link::Kind kind);
   std::optional<arm_link::Reply> tell(const arm_link::Request& request) {
     return state_ = board_.frame(request);

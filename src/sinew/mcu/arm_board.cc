@@ -9,14 +9,23 @@ using arm_link::Fault;
 using arm_link::Kind;
 using arm_link::Reference;
 
+namespace {
+
+constexpr uint8_t kSettling = 3;  ///< slices
+const ArmCommand kInvalidCommand = {CommandKind::kInvalid, 0, {}, false, 0, 0};
+
+}  // namespace
+
 ArmBoard::ArmBoard(const ArmBoardFacts& facts, KeptPositions& kept)
     : facts_(facts), kept_(kept), commands_(motion_, out_, facts.axes) {
   const KeptPositions::Slot* const found = kept.find();
   if (found != nullptr) {
     memory_ = *found;
     reference_ = Reference::kKept;
-    if (memory_.moving != 0) fault_ = Fault::kRestart;
-    if (memory_.moving != 0 || memory_.uncertain != 0) reference_ = Reference::kKeptMoving;
+    if (memory_.moving != 0 || memory_.uncertain != 0) {
+      reference_ = Reference::kKeptMoving;
+      fault_ = Fault::kRestart;
+    }
     int32_t positions[kArmAxes];
     for (uint8_t i = 0; i < kArmAxes; ++i) positions[i] = memory_.steps[i] * 256;
     motion_.set_positions(positions);
@@ -26,6 +35,8 @@ ArmBoard::ArmBoard(const ArmBoardFacts& facts, KeptPositions& kept)
   memory_.uncertain = reference_ == Reference::kKeptMoving ? 1 : 0;
   ++memory_.starts;
   kept_.keep(memory_);
+  // No session of a life before is taken for one of this.
+  last_session_ = static_cast<uint8_t>(memory_.starts * 61);
 }
 
 bool ArmBoard::takes() const {
@@ -60,34 +71,43 @@ void ArmBoard::receive(uint8_t byte, uint32_t now_ms) {
   if (!in_frame_) receive_old(byte);
 }
 
-/// A letter begins a line, everything else is of the byte wire.
+/// A letter begins a line, everything else is of the byte wire; the first good request decides.
 void ArmBoard::receive_old(uint8_t byte) {
-  if (wire_ == Wire::kOpen || (!bytes_.begun() && !lines_.begun())) {
+  bool text = wire_ == Wire::kText;
+  if (wire_ == Wire::kOpen) {
     const bool letter = (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z');
-    if (wire_ == Wire::kOpen && !bytes_.begun()) choose_old(letter);
+    text = lines_.begun() || (letter && !bytes_.begun());
+    commands_.set_text(text);
   }
-  const bool text = wire_ == Wire::kText;
-  const ArmCommand command = text ? lines_.push(static_cast<char>(byte)) : bytes_.push(byte);
-  if (command.kind == CommandKind::kNone) return;
-  if (command.kind == CommandKind::kReset && !motion_.moving()) {
-    reference_ = Reference::kSaid;
-    memory_.uncertain = 0;
+  const CommandKind kind = text ? lines_.push(static_cast<char>(byte)) : bytes_.push(byte);
+  if (kind == CommandKind::kNone) return;
+  if (wire_ == Wire::kOpen && kind != CommandKind::kInvalid) choose_old(text);
+  if (text) {
+    commands_.take(lines_.command(), lines_.line(), lines_.size());
+  } else {
+    commands_.take(kind == CommandKind::kInvalid ? kInvalidCommand : bytes_.command(), nullptr, 0);
   }
-  commands_.take(command, text ? lines_.line() : nullptr,
-                 static_cast<uint8_t>(text ? lines_.size() : 0));
+  if (commands_.take_reset()) say_positions();
 }
 
 /// The old wires cannot say that positions are uncertain: counters that were kept in a motion begin
 /// at 0, as with the maker's firmware.
 void ArmBoard::choose_old(bool text) {
   wire_ = text ? Wire::kText : Wire::kBytes;
-  commands_.set_text(text);
   if (reference_ != Reference::kKeptMoving) return;
   const int32_t zeros[kArmAxes] = {};
   motion_.set_positions(zeros);
   commands_.sync_targets();
   reference_ = Reference::kPowerUp;
   memory_.uncertain = 0;
+  keep_due_ = true;
+}
+
+/// Somebody has said where the arm is.
+void ArmBoard::say_positions() {
+  reference_ = Reference::kSaid;
+  memory_.uncertain = 0;
+  keep_due_ = true;
 }
 
 void ArmBoard::receive_frame(const arm_link::Request& request) {
@@ -112,7 +132,11 @@ bool ArmBoard::is_due(const arm_link::Request& request) const {
 
 void ArmBoard::open_session(const arm_link::Request& request) {
   // Whoever moved the arm before has lost it.
-  if (motion_.moving()) brake(Fault::kStopAsked);
+  if (motion_.moving()) {
+    brake(Fault::kStopAsked);
+  } else {
+    forget_stream();
+  }
   last_session_ = static_cast<uint8_t>(last_session_ == 255 ? 1 : last_session_ + 1);
   session_ = last_session_;
   sequence_ = request.sequence;
@@ -133,11 +157,18 @@ void ArmBoard::carry_out(const arm_link::Request& request) {
     gripper_on_ = request.gripper_on;
     if (gripper_on_ && !stop_line_) motion_.gripper_to(request.gripper, request.gripper_ms);
   }
-  if (request.kind == Kind::kPositions && !motion_.moving()) {
-    motion_.set_positions(request.positions);
-    reference_ = Reference::kSaid;
-    memory_.uncertain = 0;
+  if (request.kind == Kind::kPositions) set_positions(request.positions);
+}
+
+/// With an empty queue no slice can begin meanwhile.
+void ArmBoard::set_positions(const int32_t* positions) {
+  if (motion_.moving() || motion_.queued_ms() > 0) return;
+  for (uint8_t i = 0; i < kArmAxes; ++i) {
+    const int32_t most = kSteps * 256;
+    if (positions[i] > most || positions[i] < -most) return brake(Fault::kRefused);
   }
+  motion_.set_positions(positions);
+  say_positions();
 }
 
 /// Where the queue is full it is not carried out, and the host sends it again.
@@ -147,16 +178,36 @@ void ArmBoard::take_segment(const ArmSegment& segment) {
     sequence_ = next;
     return;
   }
+  // Its host is too late: the queue is empty, and the axes run on.
+  if (motion_.coasting()) {
+    sequence_ = next;
+    return brake(Fault::kUnderrun);
+  }
   const SegmentRefusal refusal = motion_.push(segment);
   if (refusal == SegmentRefusal::kFull) return;
   sequence_ = next;
-  if (refusal != SegmentRefusal::kNone) brake(Fault::kRefused);
+  if (refusal == SegmentRefusal::kRange) return brake(Fault::kRefused);
+  // Between the question above and the queue it has run empty, or the stop line has come.
+  if (refusal == SegmentRefusal::kStopping && motion_.coasting()) brake(Fault::kUnderrun);
 }
 
-/// The first cause stays.
+/// The first cause stays. A motion of the old wires brakes as it accelerates.
 void ArmBoard::brake(Fault fault) {
-  motion_.stop(brakings_);
+  uint32_t brakings[kArmAxes];
+  if (commands_.runs()) {
+    commands_.get_brakings(brakings);
+    commands_.drop_rest();
+  } else {
+    for (uint8_t i = 0; i < kArmAxes; ++i) brakings[i] = brakings_[i];
+  }
+  motion_.stop(brakings);
   if (fault_ == Fault::kNone) fault_ = fault;
+}
+
+/// What waits in the queue is not begun any more.
+void ArmBoard::forget_stream() {
+  const InterruptsOff off;
+  motion_.clear_queue();
 }
 
 void ArmBoard::release() {
@@ -169,46 +220,58 @@ void ArmBoard::poll(uint32_t now_ms) {
   if (frozen_) {
     frozen_ = false;
     commands_.sync_targets();
-    if (wire_ == Wire::kFrames && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
   }
   commands_.set_blocked(stop_line_);
+  if (stop_line_) commands_.drop_rest();
+  // Also behind a change of the wire: a motion of the old ones ends with its bookkeeping.
+  commands_.set_free_memory(health_.stack_free);
   if (wire_ != Wire::kFrames) {
-    commands_.set_free_memory(health_.stack_free);
     commands_.poll();
+    if (commands_.take_reset()) say_positions();
     return;
   }
+  if (commands_.runs() && !motion_.moving()) commands_.forget();
   if (stop_line_ && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
   if (motion_.coasting()) brake(Fault::kUnderrun);
   if (session_ == 0 || now_ms - host_heard_ms_ <= deadline_ms_) return;
   // At rest a host may go; in motion nothing does without one.
-  if (motion_.moving()) brake(Fault::kHostSilent);
   session_ = 0;
+  if (motion_.moving()) return brake(Fault::kHostSilent);
+  forget_stream();
 }
 
 void ArmBoard::slice(bool stop_line) {
   stop_line_ = stop_line;
-  if (stop_line && motion_.moving()) {
+  if (!stop_line) {
+    motion_.slice();
+  } else if (motion_.moving()) {
     motion_.freeze();
     frozen_ = true;
   } else {
-    motion_.slice();
+    motion_.clear_queue();
   }
   keep();
 }
 
 /// The motors' steps, where they have changed. In motion some slices are left out: a restart then
-/// leaves them uncertain in any case.
+/// leaves them uncertain in any case. What a slice plans is made in the next two.
 void ArmBoard::keep() {
-  const uint8_t moving = motion_.moving() ? 1 : 0;
+  if (motion_.moving()) {
+    settling_ = kSettling;
+  } else if (settling_ > 0) {
+    --settling_;
+  }
+  const uint8_t moving = settling_ > 0 ? 1 : 0;
   left_out_ = static_cast<uint8_t>((left_out_ + 1) & 3);
   if (moving == memory_.moving && moving != 0 && left_out_ != 0) return;
-  bool changed = false;
+  bool changed = keep_due_ || moving != memory_.moving;
   for (uint8_t i = 0; i < kArmAxes; ++i) {
     const int32_t steps = motion_.pulses().steps(i);
     changed = changed || steps != memory_.steps[i];
     memory_.steps[i] = steps;
   }
-  if (!changed && moving == memory_.moving) return;
+  if (!changed) return;
+  keep_due_ = false;
   memory_.moving = moving;
   kept_.keep(memory_);
 }

@@ -69,6 +69,9 @@ class ArmBoard {
   void choose_old(bool text);
   bool is_due(const arm_link::Request& request) const;
   void carry_out(const arm_link::Request& request);
+  void set_positions(const int32_t* positions);
+  void say_positions();
+  void forget_stream();
   void open_session(const arm_link::Request& request);
   void take_segment(const ArmSegment& segment);
   void brake(arm_link::Fault fault);
@@ -81,6 +84,8 @@ class ArmBoard {
   KeptPositions& kept_;
   KeptPositions::Slot memory_ = {};  ///< what was kept last
   uint8_t left_out_ = 0;             ///< slices since
+  uint8_t settling_ = 0;             ///< slices until pulses that were planned are made
+  volatile bool keep_due_ = false;
   ArmMotion motion_;
   ReplyBuffer out_;
   ArmCommands commands_;

@@ -97,47 +97,56 @@ CommandKind kind_of(const Word& name) {
 
 }  // namespace
 
-ArmCommand ByteReader::push(uint8_t byte) {
+CommandKind ByteReader::push(uint8_t byte) {
   const uint8_t end = 0x0D;
-  ArmCommand out = {};
-  if (end_due_) {
-    end_due_ = false;
-    if (byte == end) return out;
-  }
-  const bool known = byte < kByteIds && kByteSizes[byte] != 0;
-  if (unknown_ || (size_ == 0 && !known)) {
+  if (unknown_) {
     unknown_ = byte != end;
-    if (!unknown_) out.kind = CommandKind::kInvalid;
-    return out;
+    return unknown_ ? CommandKind::kNone : CommandKind::kInvalid;
   }
-  bytes_[size_++] = byte;
-  const uint8_t id = bytes_[0];
-  if (size_ < kByteSizes[id]) return out;
-  size_ = 0;
-  end_due_ = true;
-  out.kind = kByteKinds[id];
-  if (kByteSizes[id] == kLongest) {
-    out.given = kArmAxes;
-    for (uint8_t i = 0; i < kArmAxes; ++i) {
-      out.words[i] = static_cast<int32_t>(get_u32(bytes_ + 1 + 4 * i));
+  if (size_ == 0) {
+    if (byte < kByteIds && kByteSizes[byte] != 0) {
+      bytes_[size_++] = byte;
+      return CommandKind::kNone;
     }
+    unknown_ = byte != end;
+    return unknown_ ? CommandKind::kNone : CommandKind::kInvalid;
   }
-  if (out.kind == CommandKind::kGripper) {
-    out.on = bytes_[1] == 1;
-    out.position = bytes_[2];
+  if (size_ < kByteSizes[bytes_[0]]) {
+    bytes_[size_++] = byte;
+    return CommandKind::kNone;
   }
-  if (out.kind == CommandKind::kSync) out.on = bytes_[1] != 0;
-  return out;
+  size_ = 0;
+  unknown_ = byte != end;
+  if (unknown_) return CommandKind::kNone;
+  read();
+  return command_.kind;
 }
 
-ArmCommand LineReader::push(char character) {
+void ByteReader::read() {
+  command_ = {};
+  command_.kind = kByteKinds[bytes_[0]];
+  if (kByteSizes[bytes_[0]] == kLongest) {
+    command_.given = kArmAxes;
+    for (uint8_t i = 0; i < kArmAxes; ++i) {
+      command_.words[i] = static_cast<int32_t>(get_u32(bytes_ + 1 + 4 * i));
+    }
+  }
+  if (command_.kind == CommandKind::kGripper) {
+    command_.on = bytes_[1] == 1;
+    command_.position = bytes_[2];
+  }
+  if (command_.kind == CommandKind::kSync) command_.on = bytes_[1] != 0;
+}
+
+CommandKind LineReader::push(char character) {
   if (over_) reset();
   if (character != '\r') {
     if (size_ < kLongest) line_[size_++] = character;
-    return {};
+    return CommandKind::kNone;
   }
   over_ = true;
-  return read_line(line_, size_);
+  command_ = read_line(line_, size_);
+  return command_.kind;
 }
 
 ArmCommand read_line(const char* line, uint8_t size) {

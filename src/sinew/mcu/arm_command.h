@@ -37,22 +37,27 @@ struct ArmCommand {
   int8_t repeats;    ///< kBegin
 };
 
-/// Requests of the byte wire, taken by their length. The 0D behind them is passed over.
+/// Requests of the byte wire, taken by their length. Each is complete with the 0D behind it; with
+/// another byte there it is none.
 class ByteReader {
  public:
   static constexpr uint8_t kLongest = 21;
   static constexpr uint8_t kStopId = 11;
 
   /// @return kNone: more is needed
-  ArmCommand push(uint8_t byte);
+  CommandKind push(uint8_t byte);
+  /// What push() has just completed.
+  const ArmCommand& command() const { return command_; }
   bool begun() const { return size_ > 0 || unknown_; }
-  void reset() { size_ = 0, unknown_ = end_due_ = false; }
+  void reset() { size_ = 0, unknown_ = false; }
 
  private:
   uint8_t bytes_[kLongest] = {};
+  void read();
+
   uint8_t size_ = 0;
-  bool unknown_ = false;
-  bool end_due_ = false;
+  bool unknown_ = false;  ///< up to the next 0D
+  ArmCommand command_ = {};
 };
 
 /// Lines of the text wire, as the firmware of 2026 reads them.
@@ -61,7 +66,8 @@ class LineReader {
   static constexpr uint8_t kLongest = 50;
 
   /// @return kNone: the line is not over
-  ArmCommand push(char character);
+  CommandKind push(char character);
+  const ArmCommand& command() const { return command_; }
   bool begun() const { return size_ > 0 && !over_; }
   void reset() { size_ = 0, over_ = false; }
   /// The line that push() has just ended, until the next push().
@@ -72,6 +78,7 @@ class LineReader {
   char line_[kLongest] = {};
   uint8_t size_ = 0;
   bool over_ = false;
+  ArmCommand command_ = {};
 };
 
 /// One line of text, without its end.

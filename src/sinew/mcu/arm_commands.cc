@@ -7,6 +7,7 @@ namespace {
 const int32_t kMultiplierMax = 500;
 const uint8_t kTextHomeGripper = 40;
 const uint8_t kGripperDegrees = 180;
+const uint8_t kAtOnce = 4;  ///< commands of a sequence in one round of the main loop
 
 bool is_queue(CommandKind kind) {
   return kind == CommandKind::kQueueGoto || kind == CommandKind::kQueueFlush ||
@@ -33,12 +34,11 @@ ArmCommands::ArmCommands(ArmMotion& motion, ReplyBuffer& out, const ArmAxisFacts
 /// Until the motion under way is over.
 bool ArmCommands::waits(const ArmCommand& command) const {
   if (command.kind == CommandKind::kStop || command.kind == CommandKind::kInvalid) return false;
-  if (stop_reply_due_) return true;
-  if (run_ == Run::kNone) return false;
-  if (command.kind == CommandKind::kStatus) return false;
+  if (stop_replies_due_ > 0) return true;
+  if (run_ == Run::kNone || command.kind == CommandKind::kStatus) return false;
   const bool of_queue =
       command.kind == CommandKind::kQueueGoto || command.kind == CommandKind::kQueueClear;
-  return !(run_ == Run::kQueue && of_queue && !flush_reply_due_);
+  return !(run_ == Run::kQueue && of_queue);
 }
 
 void ArmCommands::take(const ArmCommand& command, const char* line, uint8_t size) {
@@ -48,39 +48,41 @@ void ArmCommands::take(const ArmCommand& command, const char* line, uint8_t size
   for (uint8_t i = 0; i < size; ++i) one.line[i] = line[i];
   // What came before goes first; a status and a stop pass it.
   const bool passes = command.kind == CommandKind::kStop || command.kind == CommandKind::kStatus;
-  if (waits(command) || (waiting_ > 0 && !passes)) {
-    held_[waiting_++] = one;
-    return;
-  }
-  carry_out(one);
+  if (!waits(command) && (waiting_ == 0 || passes)) return carry_out(one);
+  if (waiting_ == kWaiting) return reply_invalid();
+  held_[waiting_++] = one;
 }
 
 void ArmCommands::poll() {
   if (!out_.has_room()) return;
-  if (run_ == Run::kNone && !stop_reply_due_) return;
-  if (motion_.moving()) return;
-  const Run was = run_;
-  if (stop_reply_due_) {
-    run_ = Run::kNone;
-    sync_targets();
-    if (was == Run::kGoto || was == Run::kSequence) reply(under_way_);
-    stop_reply_due_ = false;
-    reply(CommandKind::kStop);
-  } else if (run_ == Run::kQueue && queued_ > 0) {
-    return run_queue();
-  } else if (run_ == Run::kSequence) {
-    return run_sequence();
-  } else {
-    run_ = Run::kNone;
-    if (was == Run::kGoto) reply(under_way_);
-    if (flush_reply_due_) reply_line("QUEUE-DRAINED");
-    flush_reply_due_ = false;
+  if (run_ != Run::kNone || stop_replies_due_ > 0) {
+    if (motion_.moving()) return;
+    finish_motion();
+    if (run_ != Run::kNone) return;
   }
   while (waiting_ > 0 && out_.has_room() && !waits(held_[0].command)) {
     const Waiting next = held_[0];
     held_[0] = held_[1];
     --waiting_;
     carry_out(next);
+  }
+}
+
+void ArmCommands::finish_motion() {
+  if (stop_replies_due_ > 0) {
+    const Run was = run_;
+    run_ = Run::kNone;
+    sync_targets();
+    if (was == Run::kGoto || was == Run::kSequence) reply(under_way_);
+    for (; stop_replies_due_ > 0; --stop_replies_due_) reply(CommandKind::kStop);
+  } else if (run_ == Run::kQueue && queued_ > 0) {
+    run_queue();
+  } else if (run_ == Run::kSequence) {
+    run_sequence();
+  } else {
+    const bool was_goto = run_ == Run::kGoto;
+    run_ = Run::kNone;
+    if (was_goto) reply(under_way_);
   }
 }
 
@@ -150,6 +152,7 @@ void ArmCommands::run(const ArmCommand& command) {
       for (uint8_t i = 0; i < kArmAxes; ++i) targets_[i] = 0;
       motion_.set_positions(targets_);
       sync_targets();
+      was_reset_ = true;
       break;
     case CommandKind::kSpeeds:
       set_multipliers(speeds_, command);
@@ -201,11 +204,8 @@ void ArmCommands::run_queue_command(const ArmCommand& command) {
     queued_ = 0;
     return reply_line("QUEUE-CLEARED");
   }
-  if (command.kind == CommandKind::kQueueFlush) {
-    if (run_ != Run::kQueue) return reply_line("QUEUE-DRAINED");
-    flush_reply_due_ = true;
-    return;
-  }
+  // It waits while the queue runs.
+  if (command.kind == CommandKind::kQueueFlush) return reply_line("QUEUE-DRAINED");
   if (queued_ == kQueue) return reply_line("QUEUE-FULL");
   int32_t* const next = queue_[queued_];
   copy_words(next, queued_ == 0 ? targets_ : queue_[queued_ - 1]);
@@ -229,7 +229,8 @@ void ArmCommands::run_queue() {
 }
 
 void ArmCommands::run_sequence() {
-  while (!motion_.moving() && rounds_ > 0) {
+  // Commands that do not move do not keep the main loop from its other work.
+  for (uint8_t left = kAtOnce; left > 0 && !motion_.moving() && rounds_ > 0; --left) {
     if (place_ == recorded_) {
       place_ = 0;
       --rounds_;
@@ -237,26 +238,42 @@ void ArmCommands::run_sequence() {
     }
     run(sequence_[place_++]);
   }
-  if (motion_.moving()) return;
+  if (motion_.moving() || rounds_ > 0) return;
   run_ = Run::kNone;
   reply(CommandKind::kStatus);
+}
+
+void ArmCommands::get_brakings(uint32_t* out) const {
+  for (uint8_t i = 0; i < kArmAxes; ++i) {
+    // Hundredths of a revolution per s^2, in grains per ms^2.
+    const uint64_t nominal = static_cast<uint64_t>(static_cast<uint32_t>(accelerations_[i])) *
+                             axes_[i].steps_per_rev * kGrain;
+    out[i] = static_cast<uint32_t>(nominal / 100000000) + 1;
+  }
 }
 
 /// The axes brake; what waits is dropped, each with its reply.
 void ArmCommands::stop() {
   uint32_t brakings[kArmAxes];
-  for (uint8_t i = 0; i < kArmAxes; ++i) {
-    // Hundredths of a revolution per s^2, in grains per ms^2.
-    const uint64_t nominal = static_cast<uint64_t>(static_cast<uint32_t>(accelerations_[i])) *
-                             axes_[i].steps_per_rev * kGrain;
-    brakings[i] = static_cast<uint32_t>(nominal / 100000000) + 1;
-  }
+  get_brakings(brakings);
   motion_.stop(brakings);
-  queued_ = 0;
-  rounds_ = 0;
+  drop_rest();
   recording_ = false;
   for (; waiting_ > 0; --waiting_) reply_invalid();
-  stop_reply_due_ = true;
+  if (stop_replies_due_ < kWaiting) ++stop_replies_due_;
+}
+
+void ArmCommands::forget() {
+  run_ = Run::kNone;
+  waiting_ = stop_replies_due_ = 0;
+  drop_rest();
+  sync_targets();
+}
+
+bool ArmCommands::take_reset() {
+  const bool was = was_reset_;
+  was_reset_ = false;
+  return was;
 }
 
 void ArmCommands::live_positions(int32_t* out) const {

@@ -27,7 +27,7 @@ struct ArmAxisFacts {
 ///   moving     | the axes arrive           | ready, the reply; the next one that waits
 ///   recording  | END                       | moving through what was recorded
 ///   any moving | status, stop              | replied at once; a stop drops what waits
-///   any moving | two more commands         | they wait; a third one waits in the port
+///   any moving | two more commands         | they wait; a third one is answered as invalid
 class ArmCommands {
  public:
   static constexpr uint8_t kWaiting = 2;
@@ -37,7 +37,7 @@ class ArmCommands {
   ArmCommands(ArmMotion& motion, ReplyBuffer& out, const ArmAxisFacts* axes);
 
   void set_text(bool text) { text_ = text; }
-  bool takes() const { return waiting_ < kWaiting && out_.has_room(); }
+  bool takes() const { return out_.has_room(); }
   /// @pre takes()  @param line  as it came (text), nullptr (bytes)
   void take(const ArmCommand& command, const char* line, uint8_t size);
   /// Time has passed: a motion may be over.
@@ -47,6 +47,16 @@ class ArmCommands {
   /// The stop line is low: no motion begins.
   void set_blocked(bool blocked) { blocked_ = blocked; }
   bool gripper_on() const { return gripper_on_; }
+  /// Of a motion of these wires: grains per ms^2.
+  void get_brakings(uint32_t* out) const;
+  /// One of their motions is under way.
+  bool runs() const { return run_ != Run::kNone; }
+  /// Sequence and queue end with the motion under way.
+  void drop_rest() { rounds_ = 0, queued_ = 0; }
+  /// What was under way is over, without a reply.
+  void forget();
+  /// Positions were reset since this was asked last.
+  bool take_reset();
   /// Counts have changed otherwise: targets are where the arm is.
   void sync_targets();
 
@@ -60,6 +70,7 @@ class ArmCommands {
 
   bool waits(const ArmCommand& command) const;
   void carry_out(const Waiting& one);
+  void finish_motion();
   bool record(const ArmCommand& command);
   void run(const ArmCommand& command);
   void run_queue_command(const ArmCommand& command);
@@ -97,8 +108,8 @@ class ArmCommands {
   uint8_t waiting_ = 0;
   Run run_ = Run::kNone;
   CommandKind under_way_ = CommandKind::kNone;
-  bool stop_reply_due_ = false;
-  bool flush_reply_due_ = false;
+  uint8_t stop_replies_due_ = 0;
+  bool was_reset_ = false;
 
   int32_t queue_[kQueue][kArmAxes] = {};
   uint8_t queued_ = 0;

@@ -44,6 +44,16 @@ void ServoRamp::go_to(uint16_t angle, uint16_t ms) {
   if (ms == 0) angle_ = target_;
 }
 
+uint16_t ServoRamp::angle() const {
+  const InterruptsOff off;
+  return angle_;
+}
+
+bool ServoRamp::moving() const {
+  const InterruptsOff off;
+  return left_ > 0;
+}
+
 void ServoRamp::slice() {
   if (left_ == 0) return;
   --left_;
@@ -141,48 +151,70 @@ void ArmMotion::end_segment() {
 }
 
 SegmentRefusal ArmMotion::push(const ArmSegment& segment) {
-  if (mode_ != Mode::kRest && mode_ != Mode::kStream) return SegmentRefusal::kStopping;
-  if (size_ == kQueue) return SegmentRefusal::kFull;
+  Mode mode = Mode::kRest;
+  uint8_t size = 0;
+  uint8_t place = 0;
+  {
+    // A slice that ends a segment changes all of them; where the queue ends it leaves.
+    const InterruptsOff off;
+    mode = mode_;
+    size = size_;
+    place = static_cast<uint8_t>((first_ + size) % kQueue);
+  }
+  if (mode != Mode::kRest && mode != Mode::kStream) return SegmentRefusal::kStopping;
+  if (size == kQueue) return SegmentRefusal::kFull;
   if (segment.ms < 1 || segment.ms > kSegmentMsMax) return SegmentRefusal::kRange;
-  const bool follows = mode_ == Mode::kStream || size_ > 0;
-  Queued& next = queue_[(first_ + size_) % kQueue];
+  const bool follows = mode == Mode::kStream || size > 0;
+  Queued& next = queue_[place];
   next.ms = segment.ms;
   next.begin = segment.begin;
   next.gripper = segment.gripper;
   next.rests = true;
-  const uint16_t share = static_cast<uint16_t>(65535 / segment.ms);  // of one ms
-  const uint32_t way_most = static_cast<uint32_t>(kStepsPerMsMax) * 256 * segment.ms;
+  next.rests = true;
   int32_t speeds[kArmAxes];
   for (uint8_t i = 0; i < kArmAxes; ++i) {
-    const int32_t target = segment.targets[i];
-    if (magnitude(target) > static_cast<uint32_t>(kSteps) * 256) return SegmentRefusal::kRange;
-    const int32_t way = target - (follows ? end_targets_[i] : positions_[i]);
-    const int32_t to = static_cast<int32_t>(segment.velocities[i]) * 1024;
-    if (magnitude(way) > way_most ||
-        magnitude(to) > static_cast<uint32_t>(kStepsPerMsMax * kGrain)) {
+    const int32_t start = follows ? end_targets_[i] : position(i);
+    speeds[i] = static_cast<int32_t>(segment.velocities[i]) * 1024;
+    const int32_t from = follows ? end_speeds_[i] : 0;
+    if (!plan(segment.ms, {start, segment.targets[i], from, speeds[i]}, next.axes[i])) {
       return SegmentRefusal::kRange;
     }
-    const int32_t from = follows ? end_speeds_[i] : 0;
-    const int32_t all = way * kGrainsPerUnit;
-    int32_t mean = share_of(all, share);
-    // What the share's 16 bits have missed would be a jump at the segment's end.
-    mean += share_of(all - mean * segment.ms, share);
-    const int32_t square = share_of(3 * mean - 2 * from - to, share);
-    const int32_t cube = share_of(share_of(6 * (from + to - 2 * mean), share), share);
-    const int32_t sixth = share_of(share_of(from + to - 2 * mean, share), share);
-    next.axes[i] = {from + square + sixth, 2 * square + cube, cube};
-    next.targets[i] = target;
-    next.rests = next.rests && to == 0;
-    speeds[i] = to;
+    next.targets[i] = segment.targets[i];
+    next.rests = next.rests && speeds[i] == 0;
+  }
+  {
+    const InterruptsOff off;
+    // The stop line may have emptied the queue meanwhile.
+    if (static_cast<uint8_t>((first_ + size_) % kQueue) != place) return SegmentRefusal::kStopping;
+    size_ = static_cast<uint8_t>(size_ + 1);
+    queued_ms_ = static_cast<uint16_t>(queued_ms_ + segment.ms);
   }
   for (uint8_t i = 0; i < kArmAxes; ++i) {
     end_targets_[i] = segment.targets[i];
     end_speeds_[i] = speeds[i];
   }
-  const InterruptsOff off;
-  size_ = static_cast<uint8_t>(size_ + 1);
-  queued_ms_ = static_cast<uint16_t>(queued_ms_ + segment.ms);
   return SegmentRefusal::kNone;
+}
+
+/// The forward differences of an axis' cubic. False: farther or faster than a motor goes.
+bool ArmMotion::plan(uint8_t ms, const Ends& ends, Differences& out) {
+  const uint32_t way_most = static_cast<uint32_t>(kStepsPerMsMax) * 256 * ms;
+  const uint32_t speed_most = static_cast<uint32_t>(kStepsPerMsMax) * kGrain;
+  if (magnitude(ends.target) > static_cast<uint32_t>(kSteps) * 256) return false;
+  const int32_t way = ends.target - ends.start;
+  if (magnitude(way) > way_most || magnitude(ends.to) > speed_most) return false;
+  const uint16_t share = static_cast<uint16_t>(65535 / ms);  // of one ms
+  const int32_t all = way * kGrainsPerUnit;
+  int32_t mean = share_of(all, share);
+  // What the share's 16 bits have missed would be a jump at the segment's end.
+  mean += share_of(all - mean * ms, share);
+  const int32_t both = ends.from + ends.to;
+  if (magnitude(mean + mean / 2 - both / 4) > speed_most) return false;  // in its middle
+  const int32_t square = share_of(3 * mean - ends.from - both, share);
+  const int32_t cube = share_of(share_of(6 * (both - 2 * mean), share), share);
+  const int32_t sixth = share_of(share_of(both - 2 * mean, share), share);
+  out = {ends.from + square + sixth, 2 * square + cube, cube};
+  return true;
 }
 
 uint16_t ArmMotion::queued_ms() const {
@@ -317,6 +349,7 @@ void ArmMotion::stop(const uint32_t* brakings) {
     const uint32_t needed = (speed + brakings[i] - 1) / brakings[i];
     if (needed > stop_all_) stop_all_ = needed;
   }
+  if (stop_all_ > kStopMsMax) stop_all_ = kStopMsMax;
   for (uint8_t i = 0; i < kArmAxes; ++i) {
     const uint32_t speed = static_cast<uint32_t>(speeds[i] < 0 ? -speeds[i] : speeds[i]);
     stop_[i] = {speeds[i], speed / stop_all_, speed % stop_all_, 0};

@@ -15,6 +15,7 @@ constexpr int32_t kGrainsPerUnit = 4096;  ///< a unit of the arm link, 2^-8 step
 constexpr int32_t kStepsPerMsMax = 12;    ///< of one axis
 constexpr int32_t kSteps = 4000000;       ///< positions are within +-this
 constexpr uint8_t kSegmentMsMax = 50;
+constexpr uint32_t kStopMsMax = 5000;  ///< no stop takes longer, whatever it may brake with
 
 /// One segment of a streamed motion: where the axes are at its end, and how fast. Between is the
 /// cubic from where the last one ended.
@@ -37,8 +38,8 @@ class ServoRamp {
   void slice();
   /// It stays where it is.
   void stop() { left_ = 0; }
-  uint16_t angle() const { return angle_; }
-  bool moving() const { return left_ > 0; }
+  uint16_t angle() const;
+  bool moving() const;
 
  private:
   uint16_t angle_ = 90 * 128;
@@ -87,6 +88,8 @@ class ArmMotion {
   void stop(const uint32_t* brakings);
   /// No pulse from now on.
   void freeze();
+  /// The stream's queue is forgotten; what is under way is not ended.
+  void clear_queue();
 
   bool moving() const { return mode_ != Mode::kRest; }
   bool stopping() const { return mode_ == Mode::kStopping; }
@@ -117,6 +120,10 @@ class ArmMotion {
     int32_t targets[kArmAxes];  ///< 2^-8 step
     bool rests;                 ///< all end velocities are 0
   };
+  /// Of a segment of one axis: 2^-8 step, and grains per ms.
+  struct Ends {
+    int32_t start, target, from, to;
+  };
   /// A trapezoid of one axis: as many ms of rise as of fall, and `flat` between. What a division
   /// leaves is handed out ms by ms, so that nothing adds up.
   struct Trapezoid {
@@ -137,12 +144,12 @@ class ArmMotion {
     uint32_t loss_rest, loss_sum;
   };
 
+  static bool plan(uint8_t ms, const Ends& ends, Differences& out);
   bool may_begin();
   void end_segment();
   void slice_stream(int32_t* grains);
   void slice_ramp(int32_t* grains);
   void slice_stop(int32_t* grains);
-  void clear_queue();
   int32_t grains_to(int32_t target, uint8_t axis) const;
   uint64_t way_to(int32_t target, uint8_t axis) const;
   static int32_t next_of(Trapezoid& axis);

@@ -16,7 +16,11 @@ class InterruptsOff {
  public:
 #ifdef __AVR__
   InterruptsOff() : status_(SREG) { cli(); }
-  ~InterruptsOff() { SREG = status_; }
+  ~InterruptsOff() {
+    // What was written meanwhile is in memory before an interrupt may come.
+    asm volatile("" ::: "memory");
+    SREG = status_;
+  }
 #else
   InterruptsOff() : status_(0) {}
   ~InterruptsOff() { static_cast<void>(status_); }

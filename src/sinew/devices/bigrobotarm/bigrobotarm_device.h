@@ -22,7 +22,7 @@ namespace sinew {
 enum class BigRobotArmProfile : std::uint8_t {
   kDocument,  ///< as its document says, where the document is right
   kAsBuilt,   ///< as the firmware was seen to behave, with all its defects
-  kOwn,       ///< our firmware: BigRobotArmOwnBoard
+  kOwn,       ///< our firmware: ArmLinkBoard
 };
 
 /// The BigRobotArm's firmware behind its wire (docs/wires/bigrobotarm.md): point to point, one

@@ -5,7 +5,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_device_own.h"
+#include "sinew/devices/arm_link/arm_link_device.h"
 
 namespace sinew::sim {
 namespace {
@@ -31,7 +31,7 @@ const BigRobotArmDevice& device_of(const RobotModel& robot) {
 std::unique_ptr<BigRobotArmBoard> make_board(const BigRobotArmDevice& device, Instant boot,
                                              BigRobotArmProfile profile) {
   if (profile == BigRobotArmProfile::kOwn) {
-    return std::make_unique<BigRobotArmOwnBoard>(device, boot);
+    return std::make_unique<ArmLinkBoard>(device, boot);
   }
   return std::make_unique<BigRobotArmFirmware>(device, boot, profile);
 }

@@ -1,4 +1,4 @@
-#include "sinew/devices/bigrobotarm/bigrobotarm_device_own.h"
+#include "sinew/devices/arm_link/arm_link_device.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr double kUnitsPerStep = 256;
 
 }  // namespace
 
-BigRobotArmOwnBoard::BigRobotArmOwnBoard(const BigRobotArmDevice& settings, Instant boot)
+ArmLinkBoard::ArmLinkBoard(const BigRobotArmDevice& settings, Instant boot)
     : boot_(boot), sliced_(boot) {
   for (std::size_t i = 0; i < kJoints; ++i) {
     facts_.axes[i] = {static_cast<std::uint16_t>(settings.joints[i].steps_per_motor_rev),
@@ -23,11 +23,11 @@ BigRobotArmOwnBoard::BigRobotArmOwnBoard(const BigRobotArmDevice& settings, Inst
   board_.emplace(facts_, kept_);
 }
 
-std::uint32_t BigRobotArmOwnBoard::ms() const {
+std::uint32_t ArmLinkBoard::ms() const {
   return static_cast<std::uint32_t>((sliced_ - boot_) / kSlice);
 }
 
-void BigRobotArmOwnBoard::restart(Instant now, Duration deaf, bool power) {
+void ArmLinkBoard::restart(Instant now, Duration deaf, bool power) {
   advance(now);
   if (power) kept_ = {};
   port_.clear();
@@ -35,7 +35,7 @@ void BigRobotArmOwnBoard::restart(Instant now, Duration deaf, bool power) {
   deaf_until_ = now + deaf;
 }
 
-void BigRobotArmOwnBoard::receive(std::span<const std::uint8_t> bytes, Instant now) {
+void ArmLinkBoard::receive(std::span<const std::uint8_t> bytes, Instant now) {
   advance(now);
   for (const std::uint8_t byte : bytes) {
     if (now < deaf_until_ || port_.full()) {
@@ -48,7 +48,7 @@ void BigRobotArmOwnBoard::receive(std::span<const std::uint8_t> bytes, Instant n
 }
 
 /// What its main loop does, again and again.
-void BigRobotArmOwnBoard::feed() {
+void ArmLinkBoard::feed() {
   while (!port_.empty() && board_->takes()) {
     const std::uint8_t byte = port_[0];
     port_.drop_front(1);
@@ -58,23 +58,25 @@ void BigRobotArmOwnBoard::feed() {
 }
 
 /// Something goes on by itself.
-bool BigRobotArmOwnBoard::busy() const {
+bool ArmLinkBoard::busy() const {
   const mcu::ArmMotion& motion = board_->motion();
   return motion.moving() || motion.queued_ms() > 0 || motion.gripper().moving() || !port_.empty();
 }
 
-void BigRobotArmOwnBoard::advance(Instant now) {
+void ArmLinkBoard::advance(Instant now) {
   while (sliced_ + kSlice <= now) {
     if (!busy()) {
       const Duration rest = now - sliced_;
       sliced_ += rest - rest % kSlice;
+      // A session ends also at rest.
+      board_->poll(ms());
       break;
     }
     slice();
   }
 }
 
-void BigRobotArmOwnBoard::slice() {
+void ArmLinkBoard::slice() {
   feed();
   const mcu::ArmMotion& motion = board_->motion();
   std::array<std::int32_t, kJoints> before{};
@@ -88,22 +90,22 @@ void BigRobotArmOwnBoard::slice() {
   board_->poll(ms());
 }
 
-std::size_t BigRobotArmOwnBoard::take_output(std::span<std::uint8_t> out) {
+std::size_t ArmLinkBoard::take_output(std::span<std::uint8_t> out) {
   mcu::ReplyBuffer& replies = board_->replies();
   std::size_t size = 0;
   for (; size < out.size() && !replies.empty(); ++size) out[size] = replies.take();
   return size;
 }
 
-std::optional<Instant> BigRobotArmOwnBoard::next_event() const {
+std::optional<Instant> ArmLinkBoard::next_event() const {
   return busy() ? std::optional(sliced_ + kSlice) : std::nullopt;
 }
 
-std::array<double, kJoints> BigRobotArmOwnBoard::rotor_steps(Instant /*now*/) const {
+std::array<double, kJoints> ArmLinkBoard::rotor_steps(Instant /*now*/) const {
   return rotor_;
 }
 
-std::array<double, kJoints> BigRobotArmOwnBoard::counted_steps(Instant /*now*/) const {
+std::array<double, kJoints> ArmLinkBoard::counted_steps(Instant /*now*/) const {
   std::array<double, kJoints> steps{};
   for (std::uint8_t i = 0; i < kJoints; ++i) {
     steps[i] = board_->motion().position(i) / kUnitsPerStep;
@@ -111,7 +113,7 @@ std::array<double, kJoints> BigRobotArmOwnBoard::counted_steps(Instant /*now*/) 
   return steps;
 }
 
-Gripper BigRobotArmOwnBoard::gripper() const {
+Gripper ArmLinkBoard::gripper() const {
   const double degrees = board_->motion().gripper().angle() / 128.0;
   return {board_->gripper_on(), static_cast<std::uint8_t>(std::lround(degrees))};
 }

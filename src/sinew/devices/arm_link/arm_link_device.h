@@ -11,9 +11,9 @@ namespace sinew {
 
 /// The board with our firmware: the very program that is flashed (mcu/arm_board.h), with simulated
 /// interrupts. docs/firmware/bigrobotarm.md. @rt apart from construction
-class BigRobotArmOwnBoard final : public BigRobotArmBoard {
+class ArmLinkBoard final : public BigRobotArmBoard {
  public:
-  BigRobotArmOwnBoard(const BigRobotArmDevice& settings, Instant boot);
+  ArmLinkBoard(const BigRobotArmDevice& settings, Instant boot);
 
   void restart(Instant now, Duration deaf, bool power) override;
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
