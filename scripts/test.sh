@@ -7,7 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 # Rooms that read what others have written: their tests are repeated under the sanitizers, with the
 # fuzz corpora that need no server. Every other test under them: make campaign PARTS=asan.
-byte_rooms=(core wire toml config driver program io vision)
+byte_rooms=(core mcu wire toml config driver program io vision)
 # And every kind of device.
 kind_tests() {
   local folder
