@@ -1,16 +1,1 @@
-# Chips of the Arduino boards; which one is said per target.
-set(CMAKE_SYSTEM_NAME Generic)
-set(CMAKE_SYSTEM_PROCESSOR avr)
-set(CMAKE_C_COMPILER avr-gcc)
-set(CMAKE_CXX_COMPILER avr-g++)
-set(CMAKE_ASM_COMPILER avr-gcc)
-set(CMAKE_OBJCOPY avr-objcopy)
-set(CMAKE_SIZE avr-size)
-# Its own plugin for link-time optimisation.
-set(CMAKE_AR avr-gcc-ar)
-set(CMAKE_RANLIB avr-gcc-ranlib)
-set(CMAKE_C_COMPILER_AR avr-gcc-ar)
-set(CMAKE_CXX_COMPILER_AR avr-gcc-ar)
-set(CMAKE_C_COMPILER_RANLIB avr-gcc-ranlib)
-set(CMAKE_CXX_COMPILER_RANLIB avr-gcc-ranlib)
-set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+include("${CMAKE_CURRENT_LIST_DIR}/../../avr_toolchain.cmake")

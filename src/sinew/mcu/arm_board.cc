@@ -1,5 +1,6 @@
 #include "sinew/mcu/arm_board.h"
 
+#include "sinew/mcu/bytes.h"
 #include "sinew/mcu/interrupts.h"
 
 namespace sinew {
@@ -12,7 +13,6 @@ using arm_link::Reference;
 namespace {
 
 constexpr uint8_t kSettling = 3;  ///< slices
-const ArmCommand kInvalidCommand = {CommandKind::kInvalid, 0, {}, false, 0, 0};
 
 }  // namespace
 
@@ -40,7 +40,7 @@ ArmBoard::ArmBoard(const ArmBoardFacts& facts, KeptPositions& kept)
 }
 
 bool ArmBoard::takes() const {
-  return wire_ == Wire::kFrames ? out_.has_room() : commands_.takes();
+  return out_.has_room();
 }
 
 void ArmBoard::receive(uint8_t byte, uint32_t now_ms) {
@@ -85,7 +85,7 @@ void ArmBoard::receive_old(uint8_t byte) {
   if (text) {
     commands_.take(lines_.command(), lines_.line(), lines_.size());
   } else {
-    commands_.take(kind == CommandKind::kInvalid ? kInvalidCommand : bytes_.command(), nullptr, 0);
+    commands_.take(bytes_.command(), nullptr, 0);
   }
   if (commands_.take_reset()) say_positions();
 }
@@ -103,7 +103,7 @@ void ArmBoard::choose_old(bool text) {
   keep_due_ = true;
 }
 
-/// Somebody has said where the arm is.
+/// A host has set the positions.
 void ArmBoard::say_positions() {
   reference_ = Reference::kSaid;
   memory_.uncertain = 0;
@@ -132,11 +132,7 @@ bool ArmBoard::is_due(const arm_link::Request& request) const {
 
 void ArmBoard::open_session(const arm_link::Request& request) {
   // Whoever moved the arm before has lost it.
-  if (motion_.moving()) {
-    brake(Fault::kStopAsked);
-  } else {
-    forget_stream();
-  }
+  end_stream(Fault::kStopAsked);
   last_session_ = static_cast<uint8_t>(last_session_ == 255 ? 1 : last_session_ + 1);
   session_ = last_session_;
   sequence_ = request.sequence;
@@ -193,19 +189,19 @@ void ArmBoard::take_segment(const ArmSegment& segment) {
 
 /// The first cause stays. A motion of the old wires brakes as it accelerates.
 void ArmBoard::brake(Fault fault) {
-  uint32_t brakings[kArmAxes];
-  if (commands_.runs()) {
-    commands_.get_brakings(brakings);
+  uint32_t of_commands[kArmAxes];
+  const bool runs = commands_.runs();
+  if (runs) {
+    commands_.get_brakings(of_commands);
     commands_.drop_rest();
-  } else {
-    for (uint8_t i = 0; i < kArmAxes; ++i) brakings[i] = brakings_[i];
   }
-  motion_.stop(brakings);
+  motion_.stop(runs ? of_commands : brakings_);
   if (fault_ == Fault::kNone) fault_ = fault;
 }
 
-/// What waits in the queue is not begun any more.
-void ArmBoard::forget_stream() {
+/// A motion brakes; what only waits in the queue is not begun any more.
+void ArmBoard::end_stream(Fault fault) {
+  if (motion_.moving()) return brake(fault);
   const InterruptsOff off;
   motion_.clear_queue();
 }
@@ -236,8 +232,7 @@ void ArmBoard::poll(uint32_t now_ms) {
   if (session_ == 0 || now_ms - host_heard_ms_ <= deadline_ms_) return;
   // At rest a host may go; in motion nothing does without one.
   session_ = 0;
-  if (motion_.moving()) return brake(Fault::kHostSilent);
-  forget_stream();
+  end_stream(Fault::kHostSilent);
 }
 
 void ArmBoard::slice(bool stop_line) {
@@ -282,7 +277,7 @@ void ArmBoard::reply(Kind kind) {
   reply.session = session_;
   reply.sequence = sequence_;
   if (kind == Kind::kIdentity) {
-    for (uint8_t i = 0; i < arm_link::kIdentitySize; ++i) reply.identity[i] = facts_.identity[i];
+    copy_bytes(reply.identity, facts_.identity, arm_link::kIdentitySize);
   } else if (kind == Kind::kStatistics) {
     reply.starts = memory_.starts;
     reply.reset_cause = health_.reset_cause;

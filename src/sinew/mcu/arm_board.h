@@ -71,7 +71,7 @@ class ArmBoard {
   void carry_out(const arm_link::Request& request);
   void set_positions(const int32_t* positions);
   void say_positions();
-  void forget_stream();
+  void end_stream(arm_link::Fault fault);
   void open_session(const arm_link::Request& request);
   void take_segment(const ArmSegment& segment);
   void brake(arm_link::Fault fault);

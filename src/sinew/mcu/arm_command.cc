@@ -6,6 +6,7 @@ namespace sinew {
 namespace mcu {
 namespace {
 
+constexpr uint8_t kEnd = 0x0D;
 const uint8_t kByteIds = 12;
 /// Bytes of a request by its id; 0: there is none.
 const uint8_t kByteSizes[kByteIds] = {0, 21, 1, 1, 21, 21, 3, 2, 1, 0, 0, 1};
@@ -95,60 +96,7 @@ CommandKind kind_of(const Word& name) {
   return sync ? CommandKind::kSync : CommandKind::kInvalid;
 }
 
-}  // namespace
-
-CommandKind ByteReader::push(uint8_t byte) {
-  const uint8_t end = 0x0D;
-  if (unknown_) {
-    unknown_ = byte != end;
-    return unknown_ ? CommandKind::kNone : CommandKind::kInvalid;
-  }
-  if (size_ == 0) {
-    if (byte < kByteIds && kByteSizes[byte] != 0) {
-      bytes_[size_++] = byte;
-      return CommandKind::kNone;
-    }
-    unknown_ = byte != end;
-    return unknown_ ? CommandKind::kNone : CommandKind::kInvalid;
-  }
-  if (size_ < kByteSizes[bytes_[0]]) {
-    bytes_[size_++] = byte;
-    return CommandKind::kNone;
-  }
-  size_ = 0;
-  unknown_ = byte != end;
-  if (unknown_) return CommandKind::kNone;
-  read();
-  return command_.kind;
-}
-
-void ByteReader::read() {
-  command_ = {};
-  command_.kind = kByteKinds[bytes_[0]];
-  if (kByteSizes[bytes_[0]] == kLongest) {
-    command_.given = kArmAxes;
-    for (uint8_t i = 0; i < kArmAxes; ++i) {
-      command_.words[i] = static_cast<int32_t>(get_u32(bytes_ + 1 + 4 * i));
-    }
-  }
-  if (command_.kind == CommandKind::kGripper) {
-    command_.on = bytes_[1] == 1;
-    command_.position = bytes_[2];
-  }
-  if (command_.kind == CommandKind::kSync) command_.on = bytes_[1] != 0;
-}
-
-CommandKind LineReader::push(char character) {
-  if (over_) reset();
-  if (character != '\r') {
-    if (size_ < kLongest) line_[size_++] = character;
-    return CommandKind::kNone;
-  }
-  over_ = true;
-  command_ = read_line(line_, size_);
-  return command_.kind;
-}
-
+/// One line of text, without its end.
 ArmCommand read_line(const char* line, uint8_t size) {
   Word rest = {line, size};
   const Word name = next_word(rest);
@@ -177,6 +125,56 @@ ArmCommand read_line(const char* line, uint8_t size) {
       break;
   }
   return out;
+}
+
+}  // namespace
+
+CommandKind ByteReader::push(uint8_t byte) {
+  if (unknown_) return read_unknown(byte);
+  if (size_ == 0) {
+    if (byte >= kByteIds || kByteSizes[byte] == 0) return read_unknown(byte);
+  } else if (size_ == kByteSizes[bytes_[0]]) {
+    size_ = 0;
+    return byte == kEnd ? read() : read_unknown(byte);
+  }
+  bytes_[size_++] = byte;
+  return CommandKind::kNone;
+}
+
+/// What is no request ends like one.
+CommandKind ByteReader::read_unknown(uint8_t byte) {
+  unknown_ = byte != kEnd;
+  if (unknown_) return CommandKind::kNone;
+  command_ = {};
+  return command_.kind = CommandKind::kInvalid;
+}
+
+CommandKind ByteReader::read() {
+  command_ = {};
+  command_.kind = kByteKinds[bytes_[0]];
+  if (kByteSizes[bytes_[0]] == kLongest) {
+    command_.given = kArmAxes;
+    for (uint8_t i = 0; i < kArmAxes; ++i) {
+      command_.words[i] = static_cast<int32_t>(get_u32(bytes_ + 1 + 4 * i));
+    }
+  }
+  if (command_.kind == CommandKind::kGripper) {
+    command_.on = bytes_[1] == 1;
+    command_.position = bytes_[2];
+  }
+  if (command_.kind == CommandKind::kSync) command_.on = bytes_[1] != 0;
+  return command_.kind;
+}
+
+CommandKind LineReader::push(char character) {
+  if (over_) reset();
+  if (character != '\r') {
+    if (size_ < kLongest) line_[size_++] = character;
+    return CommandKind::kNone;
+  }
+  over_ = true;
+  command_ = read_line(line_, size_);
+  return command_.kind;
 }
 
 }  // namespace mcu

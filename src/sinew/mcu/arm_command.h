@@ -53,7 +53,8 @@ class ByteReader {
 
  private:
   uint8_t bytes_[kLongest] = {};
-  void read();
+  CommandKind read();
+  CommandKind read_unknown(uint8_t byte);
 
   uint8_t size_ = 0;
   bool unknown_ = false;  ///< up to the next 0D
@@ -80,9 +81,6 @@ class LineReader {
   bool over_ = false;
   ArmCommand command_ = {};
 };
-
-/// One line of text, without its end.
-ArmCommand read_line(const char* line, uint8_t size);
 
 }  // namespace mcu
 }  // namespace sinew

@@ -37,8 +37,7 @@ class ArmCommands {
   ArmCommands(ArmMotion& motion, ReplyBuffer& out, const ArmAxisFacts* axes);
 
   void set_text(bool text) { text_ = text; }
-  bool takes() const { return out_.has_room(); }
-  /// @pre takes()  @param line  as it came (text), nullptr (bytes)
+  /// @pre there is room for a reply  @param line  as it came (text), nullptr (bytes)
   void take(const ArmCommand& command, const char* line, uint8_t size);
   /// Time has passed: a motion may be over.
   void poll();

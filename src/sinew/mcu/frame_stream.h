@@ -10,7 +10,7 @@ namespace mcu {
 constexpr uint8_t kFrameMax = 64;               ///< bytes of a frame
 constexpr uint8_t kStuffedMax = kFrameMax + 3;  ///< of a frame on the line, 00 on either side
 
-/// `frame` as it goes on the line, a 00 on either side. @pre size is 1..kFrameMax
+/// The bytes of `frame` on the line, a 00 on either side. @pre size is 1..kFrameMax
 /// @return bytes written to `out`, at most kStuffedMax
 uint8_t stuff(const uint8_t* frame, uint8_t size, uint8_t* out);
 
