@@ -7,6 +7,7 @@
 #include "firmware/atmega2560/serial_port.h"
 #include "firmware/atmega2560/stack_watch.h"
 #include "sinew/mcu/arm_board.h"
+#include "sinew/mcu/blink_code.h"
 #include "sinew/mcu/interrupts.h"
 
 // The BigRobotArm's controller on an ATmega2560: what the simulator runs, with pins instead of
@@ -55,6 +56,12 @@ void send_replies() {
   while (!replies.empty() && port.has_room()) port.put(replies.take());
 }
 
+/// A second on, a second off; or as many flashes as its fault's number.
+void show(uint32_t now) {
+  const uint8_t fault = static_cast<uint8_t>(board.fault());
+  set_led(fault > 0 ? mcu::is_lit(now, fault) : (now >> 10 & 1) != 0);
+}
+
 [[noreturn]] void run() {
   mcu::ArmBoardHealth health = {};
   health.reset_cause = reset_cause;
@@ -70,10 +77,12 @@ void send_replies() {
     board.poll(now);
     send_replies();
     // A slice that does not come is as bad as a loop that hangs.
-    if (now != seen) wdt_reset();
+    if (now != seen) {
+      wdt_reset();
+      show(now);
+    }
     seen = now;
     health.stack_free = unused_stack();
-    set_led((now >> 10 & 1) != 0);
     health.bytes_lost = port.bytes_lost();
     // The timer turns in 33 ms.
     const uint32_t round_ms = now - begun_ms;

@@ -99,6 +99,30 @@ TEST_P(AxisImage, a_silent_host_is_a_stop_that_latches) {
   EXPECT_TRUE(bench.state.homed);
 }
 
+TEST_P(AxisImage, its_lamp_says_what_is_wrong) {
+  // Flashes between two pauses of a second and more.
+  const auto flashes = [&] {
+    int count = 0, dark = 0;
+    bool counts = false;
+    for (int ms = 0; ms < 12'000; ++ms) {
+      if (!bench.run(1e-3)) return -1;
+      const bool lit = !bench.chip.output('C', 13);
+      if (lit && dark > 0 && counts) ++count;
+      dark = lit ? 0 : dark + 1;
+      if (dark != 1000) continue;
+      if (counts) return count;
+      counts = true;
+    }
+    return 0;
+  };
+  ASSERT_TRUE(bench.run(0.1));
+  EXPECT_EQ(flashes(), 1) << "a new board is not set up";
+  ASSERT_TRUE(ready());
+  bench.chip.set_input('B', 15, false);
+  ASSERT_TRUE(bench.run(0.1));
+  EXPECT_EQ(flashes(), 2) << "a stop is latched";
+}
+
 TEST_P(AxisImage, the_stop_line_ends_the_pulses_within_a_millisecond) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(bench.send(Mode::kMove, above_home(60)));

@@ -38,7 +38,7 @@ std::string mega_image() {
 
 MegaBoard::MegaBoard() {
   power_cycle();
-  run_ms(400);
+  run_until(kStart);
 }
 
 void MegaBoard::power_cycle() {

@@ -16,12 +16,15 @@ namespace sinew::emulation {
 class MegaBoard : public mcu::BoardUnderTest {
  public:
   static constexpr std::size_t kAxes = mcu::kArmAxes;
+  static constexpr Duration kStart = std::chrono::milliseconds(400);  ///< until it is up
 
   /// Power has just come on, and the image has started.
   MegaBoard();
 
   void send(std::span<const std::uint8_t> bytes) override;
   void run_ms(int ms) override;
+  /// @param time  since power came on
+  void run_until(Duration time) { chip_->run_until(time); }
   mcu::Bytes take_output() override { return std::exchange(output_, {}); }
   std::int64_t steps(std::size_t axis) const override { return steps_[axis]; }
   double seconds() const override { return to_seconds(chip_->now()); }
@@ -33,6 +36,7 @@ class MegaBoard : public mcu::BoardUnderTest {
 
   /// There is current in the motor.
   bool enabled(std::size_t axis) const;
+  bool lamp() const { return !chip_->drives_low('B', 7); }
   /// Shortest step pulse so far, s.
   double shortest_pulse() const { return shortest_pulse_; }
   /// The program does not go on, until its watchdog restarts it.

@@ -77,6 +77,24 @@ TEST(MegaImageOnly, drives_its_motors_from_the_start_and_is_silent) {
   EXPECT_NEAR(board.gripper_us(), 1473, 2);
 }
 
+TEST(MegaImageOnly, its_lamp_says_the_fault) {
+  MegaBoard board;
+  const auto changes = [&](int ms) {
+    int count = 0;
+    for (bool before = board.lamp(); ms > 0; --ms) {
+      board.run_ms(1);
+      count += board.lamp() != before ? 1 : 0;
+      before = board.lamp();
+    }
+    return count;
+  };
+  EXPECT_LE(changes(3'000), 3) << "a second on, a second off";
+  board.set_stop_line(true);
+  board.run_ms(10);
+  // Four flashes, then dark: 3.5 s in all.
+  EXPECT_EQ(changes(3'500), 8);
+}
+
 TEST(MegaImageOnly, its_watchdog_bites_where_the_program_hangs) {
   MegaBoard board;
   mcu::TestHost host(board);

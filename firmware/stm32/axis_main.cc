@@ -10,10 +10,12 @@
 #include "firmware/stm32/spi_slave.h"
 #include "firmware/stm32/steps.h"
 #include "sinew/devices/axis/axis_device_controller.h"
+#include "sinew/devices/axis/axis_device_lamp.h"
 #include "sinew/devices/axis/axis_device_setup.h"
 #include "sinew/devices/axis/axis_device_spi.h"
 #include "sinew/devices/axis/axis_device_unset.h"
 #include "sinew/devices/encoder/encoder_device_chip.h"
+#include "sinew/mcu/blink_code.h"
 
 // The axis controller of robot-arm-2 on a board: what the simulator runs, with pins instead of
 // physics. One loop owns controller and protocol; interrupts only own pins, timers and transfers.
@@ -33,6 +35,7 @@ struct Hardware {
   std::int64_t ticks = 0;  ///< since power came on, by the interrupt of TIM4
   bool tick_due = false;
   bool stop_seen = false;  ///< the stop line was low since the last tick
+  bool current = false;    ///< in the windings
 };
 Hardware hardware;
 
@@ -103,7 +106,7 @@ void tick(AxisController& controller) {
   const JointEncoder joint = controller.settings().encoders.joint;
   const AxisOutputs outputs = controller.tick(read_inputs(joint), now());
   set_level(board::kEnable, !outputs.enabled);
-  set_level(board::kLed, !outputs.enabled);
+  hardware.current = outputs.enabled;
   // The stop line may have come since the inputs were read.
   const InterruptsOff off;
   if (outputs.frozen || hardware.stop_seen || stop_line()) {
@@ -111,6 +114,15 @@ void tick(AxisController& controller) {
   } else {
     hardware.steps.go_to(outputs.steps);
   }
+}
+
+/// Lit while there is current in the windings, dark while there is none, and flashes for what is
+/// wrong.
+void show(const AxisStatus& status, bool set_up) {
+  const std::uint8_t flashes = flashes_of(status, set_up);
+  const auto ms = static_cast<std::uint32_t>((now() - Instant{}) / std::chrono::milliseconds(1));
+  const bool lit = flashes > 0 ? mcu::is_lit(ms, flashes) : hardware.current;
+  set_level(board::kLed, !lit);
 }
 
 [[noreturn]] void run() {
@@ -138,6 +150,7 @@ void tick(AxisController& controller) {
     if (tick_due) {
       if (controller) tick(*controller);
       remember_latch(axis.status().emergency_stopped);
+      show(axis.status(), setup.has_value());
       slave.advance(now());
       if (slave.restart_due()) restart();
       feed_watchdog();

@@ -203,6 +203,9 @@ TEST_F(Firmware, bad_input_is_told_before_anything_is_asked) {
         folder_.file("large", std::string(70'000, 'x'))},
        1, "70000 bytes");
   says({"firmware", "info"}, 2, "which file");
+  says({"firmware", "info", "/dev/null"}, 2, "whose boards are there?");
+  says({"firmware", "info", "/dev/null", "--robot", "learm"}, 1, "sinew doctor --robot learm");
+  says({"firmware", "info", "/dev/null", "--robot", "nobody"}, 2, "nobody");
   says({"firmware", "info", folder_.file("text", "no image")}, 1, "nothing in it says");
   folder_.file("images/" + kF103 + ".bin", text_of(image(kF103, "0.2.0")).substr(0, 30'000));
   says({"firmware", "list", "--images", folder}, 1, "nothing in it says");

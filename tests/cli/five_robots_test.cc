@@ -112,6 +112,13 @@ INSTANTIATE_TEST_SUITE_P(
                  "joint base=30deg shoulder=20deg\n",
                  {30, 20, 0, 0, 0},
                  0.6},
+        RobotRun{"bigrobotarm",
+                 {"--wire", "framed"},
+                 "2",
+                 "joint base=30deg shoulder=20deg elbow=-25deg\njoint wrist=40deg\ngripper 60deg\n"
+                 "line dz=-20mm blend=5mm\nline dz=20mm\n",
+                 {30, 20, -25, 0, 40},
+                 0.6},
         RobotRun{"maxarm",
                  {"--profile", "arduino"},
                  "1",

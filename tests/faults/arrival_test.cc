@@ -270,6 +270,14 @@ INSTANTIATE_TEST_SUITE_P(
              {},
              "joint base=60deg\njoint base=-60deg elbow=30deg\njoint base=0deg\n",
              true},
+        Case{"bigrobotarm_framed",
+             "bigrobotarm",
+             {},
+             "framed",
+             "joint base=60deg\njoint base=-60deg elbow=30deg\njoint base=0deg\n"
+             "joint base=30deg shoulder=30deg elbow=60deg wrist=30deg\n"
+             "line y=260mm speed=50mm/s blend=10mm\nline z=180mm speed=50mm/s\n",
+             true},
         Case{"bigrobotarm_ways", "bigrobotarm", "document", {}, kBigRobotArmWays, true},
         Case{"registers_ways", "robot-arm-2", "document", {}, kRegistersWays},
         Case{"maxarm", "maxarm", "arduino", {}, kMaxArmMoves, false, 5},

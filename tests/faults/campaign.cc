@@ -483,7 +483,9 @@ std::string FaultCase::described() const {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     text << ", J" << i + 1 << " quality " << static_cast<int>(positions[i].quality) << " at "
          << truth.joints[i].q << " with " << truth.joints[i].qd << "/s"
-         << (truth.joints[i].at_end_stop ? " in its end" : "");
+         << (truth.joints[i].at_end_stop ? " in its end" : "")
+         << (truth.joints[i].lost_steps ? " with lost steps" : "") << ", counted "
+         << truth.joints[i].believed << ", told " << positions[i].q;
   }
   return text.str();
 }

@@ -280,7 +280,10 @@ std::unique_ptr<FaultLine> spi_line(SpiDriver& driver, sim::SpiMachine& machine,
 }
 
 FaultCell::FaultCell(const RobotModel& robot, const MachineVariant& options, Duration warm_up)
-    : robot_(robot), machine_(*make_machine(robot, options, Instant{})), now_(warm_up) {
+    : FaultCell(robot, *make_machine(robot, options, Instant{}), warm_up) {}
+
+FaultCell::FaultCell(const RobotModel& robot, RobotMachine machine_of_robot, Duration warm_up)
+    : robot_(robot), machine_(std::move(machine_of_robot)), now_(warm_up) {
   machine().advance(now_);
   replace_driver();
 }

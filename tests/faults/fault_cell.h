@@ -50,7 +50,8 @@ std::unique_ptr<FaultLine> byte_line(ByteDriver& driver, sim::ByteMachine& machi
                                      Duration byte_time, Instant now);
 std::unique_ptr<FaultLine> spi_line(SpiDriver& driver, sim::SpiMachine& machine, Instant now);
 
-/// A robot's own driver and its own simulated machine, back to back. Time goes from event to event.
+/// A robot's own driver and a machine, its simulated one or another, back to back. Time goes from
+/// event to event.
 class FaultCell {
  public:
   /// What everything that looks at a cell is called after.
@@ -58,6 +59,8 @@ class FaultCell {
 
   /// @param robot  as variant_of() made it; outlives the cell. @param seed  of the machine
   FaultCell(const RobotModel& robot, const MachineVariant& options, Duration warm_up);
+  /// @param machine  that answers as the robot's device does
+  FaultCell(const RobotModel& robot, RobotMachine machine, Duration warm_up);
 
   Driver& driver() const { return driver_.get(); }
   sim::Machine& machine() const { return machine_.get(); }

@@ -196,6 +196,23 @@ TEST(Faults, bigrobotarm_text2026) {
   run_campaign(bigrobotarm("as-built", "text2026"), 1000);
 }
 
+/// The same arm with our own firmware.
+WireRules arm_link() {
+  WireRules rules = bigrobotarm("sinew", "framed");
+  rules.trusted = true;
+  rules.runs_away = false;
+  return rules;
+}
+
+TEST(Faults, arm_link) {
+  run_campaign(arm_link(), 1000);
+}
+TEST(Faults, arm_link_single_flips_make_no_wrong_motion) {
+  WireRules rules = arm_link();
+  rules.single_flips = 0ms;
+  run_campaign(rules, 1000);
+}
+
 WireRules icp(const std::string& profile = "table1") {
   WireRules rules;
   rules.robot = "hexapod";
@@ -279,6 +296,7 @@ TEST(WholeCell, every_robot_moves_its_own_machine_as_it_was_asked) {
                          bigrobotarm("as-built", "text"),
                          bigrobotarm("as-built", "text2026"),
                          bigrobotarm("document", "probe"),
+                         arm_link(),
                          icp(),
                          icp("section4"),
                          icp("fffe"),

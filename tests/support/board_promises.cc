@@ -53,7 +53,8 @@ Request TestHost::segment(const std::array<double, kArmAxes>& targets,
   request.segment.ms = kSegmentMs;
   request.segment.gripper = kGripperStays;
   for (std::size_t i = 0; i < kArmAxes; ++i) {
-    request.segment.targets[i] = static_cast<std::int32_t>(std::lround(targets[i] * 256));
+    request.segment.targets[i] =
+        static_cast<std::int32_t>(std::lround(targets[i] * mcu::kUnitsPerStep));
     request.segment.velocities[i] = static_cast<std::int16_t>(std::lround(velocities[i] * 1024));
   }
   return request;
@@ -287,21 +288,21 @@ void carries_a_gripper_along(BoardUnderTest& board) {
   Request one = host.segment({10, 0, 0, 0, 0}, {});
   one.segment.ms = 50;
   one.segment.begin = true;
-  one.segment.gripper = 120 * 128;
+  one.segment.gripper = 120 * mcu::kServoUnitsPerDegree;
   ASSERT_TRUE(host.tell(one));
   board.run_ms(80);
   EXPECT_NEAR(board.gripper_us(), 545 + 120 * 1856 / 180, 2);
   Request slow = host.next(Kind::kGripper);
   slow.gripper_on = true;
-  slow.gripper = 30 * 128;
+  slow.gripper = 30 * mcu::kServoUnitsPerDegree;
   slow.gripper_ms = 400;
   ASSERT_TRUE(host.tell(slow));
   board.run_ms(100);
   const auto state = host.read();
   ASSERT_TRUE(state);
   EXPECT_TRUE(state->gripper_moves);
-  EXPECT_GT(state->gripper, 60 * 128);
-  EXPECT_LT(state->gripper, 115 * 128);
+  EXPECT_GT(state->gripper, 60 * mcu::kServoUnitsPerDegree);
+  EXPECT_LT(state->gripper, 115 * mcu::kServoUnitsPerDegree);
 }
 
 /// In motion at 1000 steps/s of the base; false where it never was.
@@ -400,7 +401,7 @@ void its_stop_line_ends_pulses_within_a_millisecond(BoardUnderTest& board) {
   ASSERT_TRUE(state);
   EXPECT_EQ(state->fault, Fault::kStopLine);
   EXPECT_TRUE(state->stop_line);
-  EXPECT_EQ(state->positions[0], board.steps(0) * 256);
+  EXPECT_EQ(state->positions[0], board.steps(0) * mcu::kUnitsPerStep);
   state = host.tell(Kind::kRelease);
   ASSERT_TRUE(state);
   EXPECT_EQ(state->fault, Fault::kStopLine);
@@ -429,7 +430,7 @@ void keeps_positions_over_a_restart(BoardUnderTest& board) {
   EXPECT_EQ(state->reference, Reference::kKept);
   EXPECT_EQ(state->fault, Fault::kNone);
   for (std::size_t i = 0; i < kArmAxes; ++i) {
-    EXPECT_EQ(state->positions[i], board.steps(i) * 256) << i;
+    EXPECT_EQ(state->positions[i], board.steps(i) * mcu::kUnitsPerStep) << i;
   }
   board.power_cycle();
   board.run_ms(600);
@@ -453,7 +454,8 @@ void says_so_when_it_restarted_in_motion(BoardUnderTest& board) {
   ASSERT_TRUE(state);
   EXPECT_EQ(state->reference, Reference::kKeptMoving);
   EXPECT_EQ(state->fault, Fault::kRestart);
-  EXPECT_NEAR(state->positions[0] / 256.0, static_cast<double>(board.steps(0)), 8);
+  EXPECT_NEAR(state->positions[0] / double{mcu::kUnitsPerStep}, static_cast<double>(board.steps(0)),
+              8);
   board.restart();
   board.run_ms(600);
   TestHost third(board);
@@ -462,11 +464,11 @@ void says_so_when_it_restarted_in_motion(BoardUnderTest& board) {
   ASSERT_TRUE(state);
   EXPECT_EQ(state->reference, Reference::kKeptMoving);
   Request said = third.next(Kind::kPositions);
-  said.positions[0] = 5 * 256;
+  said.positions[0] = 5 * mcu::kUnitsPerStep;
   state = third.tell(said);
   ASSERT_TRUE(state);
   EXPECT_EQ(state->reference, Reference::kSaid);
-  EXPECT_EQ(state->positions[0], 5 * 256);
+  EXPECT_EQ(state->positions[0], 5 * mcu::kUnitsPerStep);
 }
 
 void carries_out_each_request_once_and_in_order(BoardUnderTest& board) {
@@ -628,13 +630,13 @@ void positions_are_not_set_while_a_segment_waits(BoardUnderTest& board) {
   ASSERT_TRUE(host.open(500));
   ASSERT_TRUE(host.tell(host.segment({100, 0, 0, 0, 0}, {})));
   Request said = host.next(Kind::kPositions);
-  said.positions[0] = 1'000'000 * 256;
+  said.positions[0] = 1'000'000 * mcu::kUnitsPerStep;
   ASSERT_TRUE(host.tell(said));
   board.run_ms(200);
   auto state = host.read();
   ASSERT_TRUE(state);
   EXPECT_EQ(board.steps(0), 100);
-  EXPECT_EQ(state->positions[0], 100 * 256);
+  EXPECT_EQ(state->positions[0], 100 * mcu::kUnitsPerStep);
   said = host.next(Kind::kPositions);
   said.positions[1] = INT32_MAX;
   ASSERT_TRUE(host.tell(said));

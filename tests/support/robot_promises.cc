@@ -70,6 +70,11 @@ std::string broken(const BigRobotArmDevice& device) {
   return "";
 }
 
+std::string broken(const ArmLinkDevice& device) {
+  if (device.deadline < std::chrono::milliseconds(20)) return "deadline";
+  return broken(device.arm);
+}
+
 std::string broken(const LscDevice& device) {
   std::set<int> ids{device.gripper.id};
   for (const LscServo& servo : device.servos) {

@@ -3,6 +3,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sinew/devices/arm_link/arm_link_settings.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
 #include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
@@ -16,8 +17,9 @@
 namespace sinew::test {
 
 /// All kinds of devices: what only tests ask of each.
-using DeviceKinds = std::tuple<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice,
-                               LscDevice, MaxArmDevice, IcpDevice, GrblDevice, FeetechDevice>;
+using DeviceKinds =
+    std::tuple<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice, LscDevice,
+               MaxArmDevice, IcpDevice, GrblDevice, FeetechDevice, ArmLinkDevice>;
 
 /// Calls `visitor` with the settings as those of their kind, and returns what it does.
 /// @param settings  const or not

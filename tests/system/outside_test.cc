@@ -128,7 +128,10 @@ class Host {
       if (answered == procedure.place()) return procedure.trouble();
       answered = procedure.place();
       const bool told = std::holds_alternative<program::TellStep>(procedure.step().what);
-      if (const auto taken = procedure.answer(told ? "yes" : "go", cell_.now()); !taken) {
+      const bool place = std::holds_alternative<program::PlaceStep>(procedure.step().what);
+      const bool adjust = std::holds_alternative<program::AdjustStep>(procedure.step().what);
+      const char* answer = told ? "yes" : place ? "home" : adjust ? "done" : "go";
+      if (const auto taken = procedure.answer(answer, cell_.now()); !taken) {
         return taken.error();
       }
     }
@@ -434,6 +437,7 @@ TEST(DrivenPath, register_boards_keep_the_margin_to_the_table) {
 INSTANTIATE_TEST_SUITE_P(Robots, Outside,
                          testing::Values(Case{"bigrobotarm", "document", "byte", true, 1s},
                                          Case{"bigrobotarm", "document", "text", true, 1s},
+                                         Case{"bigrobotarm", "sinew", "framed", true, 1s},
                                          Case{"maxarm", "arduino", std::nullopt, false, 20s},
                                          Case{"maxarm", "micropython", std::nullopt, false, 20s},
                                          Case{"learm", "lsc6", std::nullopt, true, 1s, true},
@@ -448,6 +452,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, Jogged,
                          testing::Values(Case{"learm", "lsc6", std::nullopt, false, 1s},
                                          Case{"learm", "bus", std::nullopt, false, 1s},
                                          Case{"learm", "esp32", std::nullopt, false, 3s},
+                                         Case{"bigrobotarm", "sinew", "framed", true, 1s},
                                          Case{"robot-arm-2", std::nullopt, "link", false, 1s}),
                          name_of);
 

@@ -29,6 +29,7 @@ constexpr Robot kRobots[] = {
     {"robot-arm-2", "link", true, false},
     {"learm", nullptr, true, false},
     {"bigrobotarm", nullptr, false, true},
+    {"bigrobotarm", "framed", true, true},
     {"maxarm", nullptr, false, false},
     {"hexapod", nullptr, true, true},
 };

@@ -9,6 +9,8 @@
 #include "sinew/devices/icp/icp_wire.h"
 #include "sinew/devices/lsc/lsc_wire.h"
 #include "sinew/devices/maxarm/maxarm_wire.h"
+#include "sinew/mcu/arm_link.h"
+#include "sinew/wire/cobs.h"
 #include "support/visit_kind.h"
 
 namespace sinew::test {
@@ -67,6 +69,27 @@ class AxisLinkEar final : public StopEar {
   }
 };
 
+class ArmLinkEar final : public StopEar {
+ public:
+  std::optional<MotionFrame> hear(std::span<const std::uint8_t> bytes, Instant begins) override {
+    if (between_) began_ = begins;
+    between_ = bytes[0] == cobs::kDelimiter;
+    const auto frame = decoder_.push(bytes[0]);
+    mcu::arm_link::Request request{};
+    const bool stop =
+        frame &&
+        mcu::arm_link::decode(frame->data(), static_cast<std::uint8_t>(frame->size()), request) &&
+        request.kind == mcu::arm_link::Kind::kStop;
+    if (!stop) return std::nullopt;
+    return MotionFrame{began_};
+  }
+
+ private:
+  cobs::Decoder decoder_;
+  bool between_ = true;
+  Instant began_{};
+};
+
 /// A hold is one character.
 class GrblEar final : public StopEar {
  public:
@@ -122,6 +145,7 @@ struct EarOf {
   Ear operator()(const MaxArmDevice& /*device*/) const { return std::make_unique<MaxArmEar>(); }
   Ear operator()(const IcpDevice& /*device*/) const { return std::make_unique<IcpEar>(); }
   Ear operator()(const AxisLinkDevice& /*device*/) const { return std::make_unique<AxisLinkEar>(); }
+  Ear operator()(const ArmLinkDevice& /*device*/) const { return std::make_unique<ArmLinkEar>(); }
   Ear operator()(const GrblDevice& /*device*/) const { return std::make_unique<GrblEar>(); }
   Ear operator()(const FeetechDevice& /*device*/) const { return std::make_unique<FeetechEar>(); }
   Ear operator()(const AxisRegistersDevice& device) const {

@@ -46,6 +46,7 @@ constexpr StopWire kWires[] = {
     {"learm", "esp32", nullptr, Manner::kFrame, 32ms, 400ms},
     {"bigrobotarm", "document", "byte", Manner::kNone, 0ms, 0ms},
     {"bigrobotarm", "document", "text", Manner::kNone, 0ms, 0ms},
+    {"bigrobotarm", "sinew", "framed", Manner::kFrame, 6ms, 1200ms},
     {"maxarm", "arduino", nullptr, Manner::kAsks, 600ms, 900ms},
     {"maxarm", "micropython", nullptr, Manner::kAsks, 600ms, 900ms},
     {"hexapod", nullptr, nullptr, Manner::kSilence, 0ms, 20ms},

@@ -72,7 +72,7 @@ double Station::resolution(std::size_t joint, JournalKind kind) const {
     const bool unseen = browned_out_ || kind == JournalKind::kLook;
     return ((unseen ? IcpLegClaim::kPowerCutUnits : 0) + 17) / legs->units_per_m;
   }
-  if (const auto* arm = settings.as<BigRobotArmDevice>()) {
+  if (const BigRobotArmDevice* arm = big_robot_arm_of(*settings)) {
     const BigRobotArmJoint& own = arm->joints[joint];
     return 2 * own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
   }

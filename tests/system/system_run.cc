@@ -17,11 +17,15 @@ using namespace std::chrono_literals;
 struct Kind {
   const char* robot;
   const char* profile;  ///< null: its default
+  const char* wire;     ///< the same
 };
-constexpr Kind kKinds[] = {{"hexapod", nullptr}, {"bigrobotarm", "document"}, {"learm", "bus"}};
+constexpr Kind kKinds[] = {{"hexapod", nullptr, nullptr},
+                           {"bigrobotarm", "document", nullptr},
+                           {"learm", "bus", nullptr},
+                           {"bigrobotarm", "sinew", "framed"}};
 
-std::optional<std::string> profile_of(const Kind& kind) {
-  return kind.profile == nullptr ? std::nullopt : std::optional<std::string>(kind.profile);
+std::optional<std::string> name_of(const char* name) {
+  return name == nullptr ? std::nullopt : std::optional<std::string>(name);
 }
 
 /// A generator's own step is added to its state: seeds that differ by it are one stream, shifted.
@@ -37,10 +41,11 @@ class Run {
       : plan_(plan), failures_(failures) {
     robots_.reserve(std::size(kKinds));
     for (std::size_t k = 0; k < std::size(kKinds); ++k) {
-      robots_.push_back(
-          runtime::variant_of(robot(kKinds[k].robot), profile_of(kKinds[k]), {}).value());
+      robots_.push_back(runtime::variant_of(robot(kKinds[k].robot), name_of(kKinds[k].profile),
+                                            name_of(kKinds[k].wire))
+                            .value());
       if ((plan.robots >> k & 1) == 0) continue;
-      stations_.push_back(std::make_unique<Station>(robots_[k], profile_of(kKinds[k]),
+      stations_.push_back(std::make_unique<Station>(robots_[k], name_of(kKinds[k].profile),
                                                     stream_of(plan.seed, k), counts, hash_));
       if (plan.supplies) stations_.back()->let_supplies_sink();
       stations_.back()->spare(plan.spared, k * kMisfortunesMax);
@@ -118,7 +123,8 @@ SystemPlan shrunk(SystemPlan plan, int tries) {
     SystemCounts counts;
     return tries-- > 0 && !run_system(candidate, counts).failures.empty();
   };
-  for (unsigned robot = 1; robot < 0b111; robot <<= 1) {
+  for (std::size_t k = 0; k < std::size(kKinds); ++k) {
+    const unsigned robot = 1U << k;
     SystemPlan fewer = plan;
     fewer.robots &= ~robot;
     if (fewer.robots != 0 && fails(fewer)) plan = fewer;

@@ -8,12 +8,12 @@
 
 namespace sinew::test {
 
-/// Three robots with all that may go wrong, all of it from one seed, in virtual time.
+/// Robots with all that may go wrong, all of it from one seed, in virtual time.
 struct SystemPlan {
   std::uint64_t seed = 0;
   Duration time = std::chrono::seconds(20);
-  unsigned robots = 0b111;  ///< one bit each
-  bool supplies = false;    ///< sink as well, from time to time
+  unsigned robots = 0b1111;  ///< one bit each
+  bool supplies = false;     ///< sink as well, from time to time
   /// Misfortunes that are drawn and do not happen, by their numbers; what is left of a failing seed
   /// behind shrinking has fewer.
   std::set<std::uint64_t> spared = {};

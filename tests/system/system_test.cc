@@ -62,7 +62,7 @@ TEST(SystemRuns, a_seed_that_fails_is_shrunk_to_the_one_thing_that_it_takes) {
   const SystemPlan whole{.seed = seed(), .planted = "its disk is full"};
   const SystemRun first = run_system(whole, counts);
   ASSERT_FALSE(first.failures.empty()) << "a seed in which no disk is ever full";
-  const SystemPlan least = shrunk(whole, 60);
+  const SystemPlan least = shrunk(whole, 150);
   const SystemRun run = run_system(least, counts);
   ASSERT_EQ(run.failures.size(), 1U);
   EXPECT_EQ(run.misfortunes.size(), 1U) << describe(least, run);

@@ -133,6 +133,25 @@ export interface DeviceJson {
     gripper?: { enabled: boolean; servo_deg: number };
     sync: boolean;
   };
+  arm?: Heard & {
+    session: number;
+    moving: boolean;
+    stop_line: boolean;
+    fault: string;
+    reference: string;
+    queued_ms: number;
+    gripper: { enabled: boolean; servo_deg: number };
+    joints: { joint: string; steps: number }[];
+  };
+  image?: Heard & { board: string; version: string; checksum: number };
+  statistics?: Heard & {
+    starts: number;
+    stack_free_bytes: number;
+    late_slices: number;
+    loop_us_max: number;
+    bytes_lost: number;
+    frames_bad: number;
+  };
   axes?: AxisJson[];
   bus_servos?: BusServoJson[];
   firmware?: string;

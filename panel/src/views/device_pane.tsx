@@ -19,6 +19,7 @@ export function DevicePane(): JSX.Element {
       {told.wire === 'lsc' && <ServoBoard told={told} />}
       {told.wire === 'maxarm' && <MaxArm told={told} />}
       {told.wire === 'bigrobotarm' && <BigRobotArm told={told} />}
+      {told.arm && <ArmLink told={told} arm={told.arm} />}
       {told.bus_servos && <BusServos servos={told.bus_servos} />}
       {told.axes && <Axes told={told} axes={told.axes} />}
       {told.inputs && <Inputs told={told} inputs={told.inputs} />}
@@ -393,6 +394,62 @@ function BigRobotArm({ told }: { told: DeviceJson }): JSX.Element {
         </>
       )}
     </Part>
+  );
+}
+
+// --- Its board with our firmware.
+
+function ArmLink({ told, arm }: { told: DeviceJson; arm: NonNullable<DeviceJson['arm']> }): JSX.Element {
+  const { image, statistics } = told;
+  const servo = Math.round(arm.gripper.servo_deg);
+  return (
+    <>
+      <Part name={t('device.counters.steps')} heard={arm} grave={arm.fault !== 'none'} state={arm.moving ? t('device.arm.moves', { ms: arm.queued_ms }) : t('device.arm.rests')}>
+        <table class="device-table">
+          <thead>
+            <tr>
+              <th scope="col">{t('device.joint')}</th>
+              <th scope="col" class="num">{t('device.microsteps')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {arm.joints.map((joint) => (
+              <tr key={joint.joint}>
+                <th scope="row">{joint.joint}</th>
+                <td class="num">{decimals(joint.steps, 2)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+        <Values
+          rows={[
+            [t('device.arm.reference'), tWord('device.arm.reference', arm.reference)],
+            [t('device.arm.fault'), tWord('device.arm.fault', arm.fault)],
+            [t('device.gripper'), t(arm.gripper.enabled ? 'device.gripper.on' : 'device.gripper.off', { deg: servo })],
+          ]}
+        />
+      </Part>
+      {(image || statistics) && (
+        <Part
+          name={t('device.image')}
+          heard={statistics ?? image}
+          state={image && t('device.image.text', { board: image.board, version: image.version, build: image.checksum.toString(16).padStart(8, '0') })}
+        >
+          {statistics && (
+            <Values
+              rows={[
+                [t('device.statistics'), statistics.starts],
+                [t('device.statistics.line'), t('device.statistics.line.text', { lost: statistics.bytes_lost, bad: statistics.frames_bad })],
+                [
+                  t('device.statistics.time'),
+                  t('device.statistics.time.text', { late: statistics.late_slices, us: statistics.loop_us_max, stack: statistics.stack_free_bytes }),
+                ],
+              ]}
+            />
+          )}
+        </Part>
+      )}
+    </>
   );
 }
 

@@ -195,7 +195,8 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
        "you mean `serial`?"},
       {"\"ideal\"", "\"ideel\"",
        "r.toml:25:12: device.protocol: must be `ideal`, `bigrobotarm`, `lsc`, `maxarm`, `icp`, "
-       "`axis_registers`, `axis_link`, `grbl` or `feetech`, not `ideel`; did you mean `ideal`?"},
+       "`axis_registers`, `axis_link`, `arm_link`, `grbl` or `feetech`, not `ideel`; did you mean "
+       "`ideal`?"},
       {"\"ideal\"",
        "\"bigrobotarm\"\nmotion = \"point_to_point\"\nfeedback = \"none\"\nbaud = 250000\n"
        "source = \"s\"",

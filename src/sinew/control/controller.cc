@@ -17,7 +17,7 @@ Controller::Controller(const RobotModel& robot, Driver& driver, const Controller
       governor_(robot, planning::farthest_limits(robot)),
       lease_(settings.lease_life),
       watch_(settings.cycle, settings.gap),
-      sent_(planning::motion_limits(robot)),
+      sent_(planning::motion_limits(robot), robot.device.settings->stop_facts().together),
       jog_(robot),
       streams_(robot.device.capability.motion == MotionKind::kStream),
       memory_(start.memory),

@@ -15,8 +15,9 @@ class SentWay {
   /// More pieces at once than any driver takes; what is beyond them counts as one.
   static constexpr std::size_t kPiecesMax = 16;
 
-  /// @param limits  one a joint: what it brakes with
-  explicit SentWay(std::span<const motion::AxisLimits> limits);
+  /// @param limits    one a joint: what it brakes with
+  /// @param together  StopFacts::together: each joint takes as long to come to rest as the slowest
+  explicit SentWay(std::span<const motion::AxisLimits> limits, bool together = false);
 
   /// It rests there, and nothing is under way.
   void rest(std::span<const double> q);
@@ -31,15 +32,14 @@ class SentWay {
   std::span<const JointInterval> with(std::span<const JointPosition> now, const JointMove& next,
                                       bool braking = false);
 
-  /// How far a joint may go on from its speed v >= 0 until it rests, rad or m.
-  static double braking_way(const motion::AxisLimits& limit, double v, bool braking);
-
  private:
   using Intervals = FixedVector<JointInterval, kMaxJoints>;
 
   Intervals way_of(const JointMove& piece, bool braking) const;
+  double braking_time(std::span<const double> qd, bool braking) const;
 
   FixedVector<motion::AxisLimits, kMaxJoints> limits_;
+  bool together_;
   JointVector q_;   ///< where the last one ends
   JointVector qd_;  ///< and how fast
   FixedVector<Intervals, kPiecesMax> pieces_;

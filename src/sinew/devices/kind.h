@@ -14,6 +14,7 @@
 #include "sinew/model/device_table.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/robot_machine.h"
+#include "sinew/wire/board_image.h"
 
 namespace sinew {
 
@@ -51,6 +52,10 @@ struct DeviceKind {
   /// What its driver keeps of its reports, as docs/api.md has it; nullptr: nothing.
   /// @param facts  of a driver that this kind has made, not empty
   nlohmann::ordered_json (*view)(const FactsView& view, const DeviceFacts& facts) = nullptr;
+
+  /// Which image its board has said it runs; nullptr: it has one board that says none, or several
+  /// boards, which DeviceActions::images asks.
+  std::optional<BoardImage> (*image)(const DeviceFacts& facts) = nullptr;
 
   /// How its boards search for a joint's zero; nullptr: they do not, or its time is not known.
   ZeroSearch (*search)(const RobotModel& robot, std::size_t joint) = nullptr;

@@ -16,13 +16,14 @@ extern const DeviceKind kMaxArmKind;
 extern const DeviceKind kIcpKind;
 extern const DeviceKind kAxisRegistersKind;
 extern const DeviceKind kAxisLinkKind;
+extern const DeviceKind kArmLinkKind;
 extern const DeviceKind kGrblKind;
 extern const DeviceKind kFeetechKind;
 
 std::span<const DeviceKind* const> device_kinds() {
   static constexpr const DeviceKind* kAll[] = {
-      &kIdealKind,         &kBigRobotArmKind, &kLscKind,  &kMaxArmKind,  &kIcpKind,
-      &kAxisRegistersKind, &kAxisLinkKind,    &kGrblKind, &kFeetechKind,
+      &kIdealKind,         &kBigRobotArmKind, &kLscKind,     &kMaxArmKind, &kIcpKind,
+      &kAxisRegistersKind, &kAxisLinkKind,    &kArmLinkKind, &kGrblKind,   &kFeetechKind,
   };
   return kAll;
 }

@@ -27,7 +27,7 @@ ArmBoard::ArmBoard(const ArmBoardFacts& facts, KeptPositions& kept)
       fault_ = Fault::kRestart;
     }
     int32_t positions[kArmAxes];
-    for (uint8_t i = 0; i < kArmAxes; ++i) positions[i] = memory_.steps[i] * 256;
+    for (uint8_t i = 0; i < kArmAxes; ++i) positions[i] = memory_.steps[i] * kUnitsPerStep;
     motion_.set_positions(positions);
     commands_.sync_targets();
   }
@@ -121,7 +121,7 @@ void ArmBoard::receive_frame(const arm_link::Request& request) {
   } else if (is_due(request)) {
     carry_out(request);
   }
-  reply(request.kind);
+  reply(request);
 }
 
 /// It is the next one of the session: what comes twice, or behind a gap, is not carried out.
@@ -160,7 +160,7 @@ void ArmBoard::carry_out(const arm_link::Request& request) {
 void ArmBoard::set_positions(const int32_t* positions) {
   if (motion_.moving() || motion_.queued_ms() > 0) return;
   for (uint8_t i = 0; i < kArmAxes; ++i) {
-    const int32_t most = kSteps * 256;
+    const int32_t most = kSteps * kUnitsPerStep;
     if (positions[i] > most || positions[i] < -most) return brake(Fault::kRefused);
   }
   motion_.set_positions(positions);
@@ -213,6 +213,12 @@ void ArmBoard::release() {
 
 void ArmBoard::poll(uint32_t now_ms) {
   now_ms_ = now_ms;
+  bool line_was_low = false;
+  {
+    const InterruptsOff off;
+    line_was_low = line_was_low_;
+    line_was_low_ = stop_line_;
+  }
   if (frozen_) {
     frozen_ = false;
     commands_.sync_targets();
@@ -227,7 +233,7 @@ void ArmBoard::poll(uint32_t now_ms) {
     return;
   }
   if (commands_.runs() && !motion_.moving()) commands_.forget();
-  if (stop_line_ && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
+  if (line_was_low && fault_ == Fault::kNone) fault_ = Fault::kStopLine;
   if (motion_.coasting()) brake(Fault::kUnderrun);
   if (session_ == 0 || now_ms - host_heard_ms_ <= deadline_ms_) return;
   // At rest a host may go; in motion nothing does without one.
@@ -237,6 +243,7 @@ void ArmBoard::poll(uint32_t now_ms) {
 
 void ArmBoard::slice(bool stop_line) {
   stop_line_ = stop_line;
+  if (stop_line) line_was_low_ = true;
   if (!stop_line) {
     motion_.slice();
   } else if (motion_.moving()) {
@@ -271,11 +278,13 @@ void ArmBoard::keep() {
   kept_.keep(memory_);
 }
 
-void ArmBoard::reply(Kind kind) {
+void ArmBoard::reply(const arm_link::Request& request) {
+  const Kind kind = request.kind;
   arm_link::Reply reply = {};
   reply.kind = kind;
   reply.session = session_;
   reply.sequence = sequence_;
+  reply.tag = request.tag;
   if (kind == Kind::kIdentity) {
     copy_bytes(reply.identity, facts_.identity, arm_link::kIdentitySize);
   } else if (kind == Kind::kStatistics) {

@@ -61,7 +61,8 @@ class ArmBoard {
   /// As its host has set it.
   bool gripper_on() const { return wire_ == Wire::kFrames ? gripper_on_ : commands_.gripper_on(); }
   Wire wire() const { return wire_; }
-  arm_link::Fault fault() const { return fault_; }
+  /// Also of the old wires, where none latches.
+  arm_link::Fault fault() const { return stop_line_ ? arm_link::Fault::kStopLine : fault_; }
 
  private:
   void receive_frame(const arm_link::Request& request);
@@ -76,7 +77,7 @@ class ArmBoard {
   void take_segment(const ArmSegment& segment);
   void brake(arm_link::Fault fault);
   void release();
-  void reply(arm_link::Kind kind);
+  void reply(const arm_link::Request& request);
   void put_state(arm_link::Reply& reply) const;
   void keep();
 
@@ -108,6 +109,7 @@ class ArmBoard {
   arm_link::Fault fault_ = arm_link::Fault::kNone;
   arm_link::Reference reference_ = arm_link::Reference::kPowerUp;
   volatile bool stop_line_ = false;
+  volatile bool line_was_low_ = false;  ///< since the last poll()
   volatile bool frozen_ = false;  ///< the stop line ended a motion, and poll() has not seen it yet
   bool gripper_on_ = true;
 };

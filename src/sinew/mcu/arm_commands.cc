@@ -144,7 +144,7 @@ void ArmCommands::run(const ArmCommand& command) {
       for (uint8_t i = 0; i < kArmAxes; ++i) targets[i] = 0;
       if (text_) {
         gripper_ = kTextHomeGripper;
-        motion_.gripper_to(static_cast<uint16_t>(gripper_) * 128, 0);
+        motion_.gripper_to(static_cast<uint16_t>(gripper_) * kServoUnitsPerDegree, 0);
       }
       move_to(targets);
       break;
@@ -196,7 +196,7 @@ void ArmCommands::set_gripper(const ArmCommand& command) {
   gripper_on_ = command.on;
   if (!command.on) return;
   gripper_ = command.position < kGripperDegrees ? command.position : kGripperDegrees;
-  motion_.gripper_to(static_cast<uint16_t>(gripper_) * 128, 0);
+  motion_.gripper_to(static_cast<uint16_t>(gripper_) * kServoUnitsPerDegree, 0);
 }
 
 void ArmCommands::run_queue_command(const ArmCommand& command) {

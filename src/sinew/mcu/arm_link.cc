@@ -7,7 +7,7 @@ namespace mcu {
 namespace arm_link {
 namespace {
 
-constexpr uint8_t kHeadSize = 4;
+constexpr uint8_t kHeadSize = 5;
 constexpr uint8_t kChecksumSize = 4;
 constexpr uint8_t kReplyBit = 0x10;
 constexpr uint8_t kKindBits = 0x0F;
@@ -26,10 +26,12 @@ uint8_t reply_size(Kind kind) {
   return kind == Kind::kStatistics ? kStatisticsSize : kStateSize;
 }
 
-uint8_t finish(uint8_t* out, uint8_t size, uint8_t kind, uint8_t session, uint16_t sequence) {
+template <class Message>
+uint8_t finish(const Message& message, uint8_t kind, uint8_t size, uint8_t* out) {
   out[0] = static_cast<uint8_t>(kVersion << 5 | kind);
-  out[1] = session;
-  put_u16(out + 2, sequence);
+  out[1] = message.session;
+  put_u16(out + 2, message.sequence);
+  out[4] = message.tag;
   put_u32(out + size, crc32c(out, size));
   return static_cast<uint8_t>(size + kChecksumSize);
 }
@@ -115,8 +117,7 @@ uint8_t encode(const Request& request, uint8_t* out) {
       break;
   }
   const uint8_t kind = static_cast<uint8_t>(request.kind);
-  return finish(out, static_cast<uint8_t>(kHeadSize + kRequestSizes[kind]), kind, request.session,
-                request.sequence);
+  return finish(request, kind, static_cast<uint8_t>(kHeadSize + kRequestSizes[kind]), out);
 }
 
 bool decode(const uint8_t* frame, uint8_t size, Request& out) {
@@ -128,6 +129,7 @@ bool decode(const uint8_t* frame, uint8_t size, Request& out) {
   out.kind = static_cast<Kind>(kind);
   out.session = frame[1];
   out.sequence = get_u16(frame + 2);
+  out.tag = frame[4];
   if (out.kind == Kind::kHello) {
     out.deadline_ms = get_u16(body);
     for (uint8_t i = 0; i < kArmAxes; ++i) out.brakings[i] = get_u16(body + 2 + 2 * i);
@@ -168,9 +170,8 @@ uint8_t encode(const Reply& reply, uint8_t* out) {
   } else {
     put_state(reply, body);
   }
-  return finish(out, static_cast<uint8_t>(kHeadSize + reply_size(reply.kind)),
-                static_cast<uint8_t>(kReplyBit | static_cast<uint8_t>(reply.kind)), reply.session,
-                reply.sequence);
+  const uint8_t kind = static_cast<uint8_t>(kReplyBit | static_cast<uint8_t>(reply.kind));
+  return finish(reply, kind, static_cast<uint8_t>(kHeadSize + reply_size(reply.kind)), out);
 }
 
 bool decode(const uint8_t* frame, uint8_t size, Reply& out) {
@@ -183,6 +184,7 @@ bool decode(const uint8_t* frame, uint8_t size, Reply& out) {
   const uint8_t* const body = frame + kHeadSize;
   out.session = frame[1];
   out.sequence = get_u16(frame + 2);
+  out.tag = frame[4];
   if (out.kind == Kind::kIdentity) {
     copy_bytes(out.identity, body, kIdentitySize);
     return true;

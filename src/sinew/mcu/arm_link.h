@@ -57,8 +57,9 @@ struct Request {
   uint8_t session;
   /// Of what is carried out once (all but kRead, kIdentity, kStatistics): one more than the last.
   uint16_t sequence;
-  ArmSegment segment;           ///< kSegment
-  uint16_t deadline_ms;         ///< kHello
+  uint8_t tag;           ///< another one each time that a frame is sent; its reply has the same
+  ArmSegment segment;    ///< kSegment
+  uint16_t deadline_ms;  ///< kHello
   uint16_t brakings[kArmAxes];  ///< kHello: steps per s^2
   int32_t positions[kArmAxes];  ///< kPositions: 2^-8 step
   bool gripper_on;              ///< kGripper
@@ -70,6 +71,7 @@ struct Reply {
   Kind kind;          ///< of the request: kIdentity, kStatistics; the state for all others
   uint8_t session;    ///< 0: none is open
   uint16_t sequence;  ///< carried out last
+  uint8_t tag;        ///< of the request
   // The state.
   bool moving;
   bool stopping;

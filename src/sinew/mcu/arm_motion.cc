@@ -198,9 +198,9 @@ SegmentRefusal ArmMotion::push(const ArmSegment& segment) {
 
 /// The forward differences of an axis' cubic. False: farther or faster than a motor goes.
 bool ArmMotion::plan(uint8_t ms, const Ends& ends, Differences& out) {
-  const uint32_t way_most = static_cast<uint32_t>(kStepsPerMsMax) * 256 * ms;
+  const uint32_t way_most = static_cast<uint32_t>(kStepsPerMsMax) * kUnitsPerStep * ms;
   const uint32_t speed_most = static_cast<uint32_t>(kStepsPerMsMax) * kGrain;
-  if (magnitude(ends.target) > static_cast<uint32_t>(kSteps) * 256) return false;
+  if (magnitude(ends.target) > static_cast<uint32_t>(kSteps) * kUnitsPerStep) return false;
   const int32_t way = ends.target - ends.start;
   if (magnitude(way) > way_most || magnitude(ends.to) > speed_most) return false;
   const uint16_t share = static_cast<uint16_t>(65535 / ms);  // of one ms
@@ -235,7 +235,7 @@ void ArmMotion::go_to(const int32_t* targets, const ArmRamp* ramps, bool togethe
     const ArmRamp& ramp = ramps[i];
     Trapezoid& axis = ramps_[i];
     axis = {};
-    axis.target = targets[i] * 256;
+    axis.target = targets[i] * kUnitsPerStep;
     axis.back = axis.target < positions_[i];
     const uint64_t way = way_to(axis.target, i);
     // Hundredths of a revolution per s, in grains per ms; never more than the pulses carry.
@@ -386,7 +386,7 @@ void ArmMotion::freeze() {
   clear_queue();
   mode_ = Mode::kRest;
   for (uint8_t i = 0; i < kArmAxes; ++i) {
-    positions_[i] = pulses_.steps(i) * 256;
+    positions_[i] = pulses_.steps(i) * kUnitsPerStep;
     grains_[i] = 0;
     speeds_[i] = 0;
   }
@@ -402,7 +402,7 @@ void ArmMotion::set_positions(const int32_t* positions) {
     const InterruptsOff off;
     // The motor stays where it is, also within a step: counts change by whole steps.
     const int32_t steps = (positions[i] - positions_[i] + 128) >> 8;
-    positions_[i] += steps * 256;
+    positions_[i] += steps * kUnitsPerStep;
     pulses_.set_steps(i, pulses_.steps(i) + steps);
   }
 }

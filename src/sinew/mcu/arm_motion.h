@@ -10,10 +10,11 @@ namespace sinew {
 namespace mcu {
 
 /// Units of position inside: 2^-20 step. Speeds are such units per ms.
-constexpr int32_t kGrain = 1048576;       ///< one step
-constexpr int32_t kGrainsPerUnit = 4096;  ///< a unit of the arm link, 2^-8 step
-constexpr int32_t kStepsPerMsMax = 12;    ///< of one axis
-constexpr int32_t kSteps = 4000000;       ///< positions are within +-this
+constexpr int32_t kGrain = 1048576;     ///< one step
+constexpr int32_t kUnitsPerStep = 256;  ///< of the arm link
+constexpr int32_t kGrainsPerUnit = kGrain / kUnitsPerStep;
+constexpr int32_t kStepsPerMsMax = 12;  ///< of one axis
+constexpr int32_t kSteps = 4000000;     ///< positions are within +-this
 constexpr uint8_t kSegmentMsMax = 50;
 constexpr uint32_t kStopMsMax = 5000;  ///< no stop takes longer, whatever it may brake with
 
@@ -26,8 +27,10 @@ struct ArmSegment {
   int32_t targets[kArmAxes];     ///< 2^-8 step
   int16_t velocities[kArmAxes];  ///< 2^-10 step per ms
 };
+constexpr int16_t kSpeedsPerStepPerMs = 1024;
 constexpr uint16_t kGripperStays = 0xFFFF;
-constexpr uint16_t kGripperMax = 180 * 128;
+constexpr uint16_t kServoUnitsPerDegree = 128;
+constexpr uint16_t kGripperMax = 180 * kServoUnitsPerDegree;
 
 /// A servo that goes from angle to angle at constant speed.
 class ServoRamp {
@@ -42,7 +45,7 @@ class ServoRamp {
   bool moving() const;
 
  private:
-  uint16_t angle_ = 90 * 128;
+  uint16_t angle_ = 90 * kServoUnitsPerDegree;
   uint16_t start_ = 0;
   uint16_t target_ = 0;
   uint16_t left_ = 0;  ///< ms

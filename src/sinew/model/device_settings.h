@@ -45,6 +45,7 @@ struct StopFacts {
   bool ends_motion = true;      ///< false: the motion under way is finished
   std::string_view standstill;  ///< until it stands, for people; Driver::goes_on_until() has each
   std::string_view falls;       ///< what gravity does: held, and without power
+  bool together = false;        ///< it brakes all joints in one time, along the way that they go
 };
 
 /// How long a host waits for the first good answer behind an opened port, and what for.

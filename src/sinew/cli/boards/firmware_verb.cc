@@ -9,9 +9,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "sinew/cli/boards/board_images.h"
 #include "sinew/cli/boards/flash_tools.h"
 #include "sinew/cli/cells/cell_connection.h"
+#include "sinew/cli/cells/device_verb.h"
+#include "sinew/cli/images/board_images.h"
 #include "sinew/cli/output/board_image_text.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/core/spelling.h"
@@ -55,7 +56,24 @@ Outcome list(const FirmwareRequest& request) {
 }
 
 Outcome info(const FirmwareRequest& request) {
-  if (request.what.empty()) return bad_input("info: which file? sinew firmware list names some");
+  if (request.what.empty()) {
+    return bad_input("info: which file, or which port? sinew firmware list names files");
+  }
+  if (!request.robot.name.empty()) {
+    DeviceRequest device;
+    device.robot = request.robot;
+    device.robot.port = request.what;
+    device.action = "firmware";
+    device.images = request.images;
+    return run_device_action(device);
+  }
+  std::error_code error;
+  if (fs::is_character_file(request.what, error) || request.what.starts_with("tcp:") ||
+      request.what == "spidev" || request.what.starts_with("simwire:")) {
+    return bad_input(request.what +
+                     ": whose boards are there? --robot bigrobotarm --wire framed, or --robot "
+                     "robot-arm-2 --wire link");
+  }
   const auto file = image_file(request.what);
   if (!file) return could_not(file.error());
   if (!file->image) return could_not(file->path + ": " + std::string(kNoLabel));
@@ -65,8 +83,9 @@ Outcome info(const FirmwareRequest& request) {
   return outcome;
 }
 
-/// A robot of the running cell whose boards may hold an arm; as a sentence's end, else empty.
-std::string enabled_in_cell() {
+/// A robot of the running cell whose boards are such ones and may hold an arm; as a sentence's end,
+/// else empty.
+std::string enabled_in_cell(const FlashBoard& board) {
   auto cell = CellConnection::open(std::nullopt);
   if (!cell) return {};
   const auto status = cell->call("cell.status");
@@ -74,7 +93,9 @@ std::string enabled_in_cell() {
   for (const Json& robot : (*status)["robots"]) {
     const Json name{{"robot", robot["robot"]}};
     const auto device = cell->call("device.status", name);
-    if (!device || !(*device)["wire"].get_ref<const std::string&>().starts_with("axis_")) continue;
+    if (!device) continue;
+    const auto& wire = (*device)["wire"].get_ref<const std::string&>();
+    if (std::ranges::find(board.protocols, wire) == board.protocols.end()) continue;
     if (robot["state"] == "off" || robot["state"] == "fault") continue;
     return fmt::format("'{}' of the cell on {} is enabled", robot["robot"].get<std::string>(),
                        cell->path());
@@ -278,7 +299,7 @@ Outcome flash(const FirmwareRequest& request) {
   if (!io::has_program(program)) {
     return could_not(program + " is not here: apt-get install " + program);
   }
-  if (const std::string robot = enabled_in_cell(); !robot.empty()) {
+  if (const std::string robot = enabled_in_cell(*board); !robot.empty()) {
     return could_not(robot + ": disable it in the panel first, or end its cell");
   }
   const auto folder = runtime::firmware_folder();
@@ -307,9 +328,12 @@ void add_firmware(CLI::App& app, ChosenVerb& call) {
   CLI::App* verb = add_verb(app, call, "firmware", "images of boards, and writing one into a board",
                             "sinew firmware flash axis-stm32f401 --usb");
   verb->add_option("ACTION", request.action,
-                   "list (what there is), info FILE (what an image says of itself) or flash BOARD")
+                   "list (what there is), info FILE (what an image says of itself), info PORT "
+                   "(with --robot: what its boards run) or flash BOARD")
       ->required();
-  verb->add_option("WHAT", request.what, "info: a file; flash: a board");
+  verb->add_option("WHAT", request.what, "info: a file or a port; flash: a board");
+  verb->add_option("--robot", request.robot.name, "info PORT: id or .toml file");
+  verb->add_option("--wire", request.robot.wire, "info PORT: which of the robot's wires");
   verb->add_option("--port", request.port,
                    "flash: serial adapter on the boot loader's pins (stm32flash), or an Arduino's "
                    "USB (avrdude)");

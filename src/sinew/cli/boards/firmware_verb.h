@@ -3,13 +3,15 @@
 #include <optional>
 #include <string>
 
+#include "sinew/cli/cells/local_cell.h"
 #include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
 struct FirmwareRequest {
   std::string action;                ///< list, info or flash
-  std::string what;                  ///< info: a file; flash: a board
+  std::string what;                  ///< info: a file, or a port; flash: a board
+  RobotOptions robot;                ///< info: whose boards are on that port
   std::string images;                ///< folder; empty: beside this program
   std::optional<std::string> image;  ///< flash: this file instead
   std::optional<std::string> port;

@@ -13,18 +13,6 @@ constexpr std::uint32_t kFlashBegin = 0x08000000;
 constexpr std::string_view kSpeed = "115200";
 constexpr std::string_view kDfu = "0483:df11";
 
-constexpr std::uint16_t kMediumF103[] = {0x410};
-constexpr std::uint16_t kF401[] = {0x423, 0x433};
-constexpr std::uint16_t kMega2560[] = {0x9801};
-constexpr std::array kBoards = std::to_array<FlashBoard>({
-    {"axis-stm32f103", "Blue Pill (STM32F103C8)", kMediumF103, "target/stm32f1x.cfg", "", 63488},
-    {"axis-stm32f401", "Black Pill (STM32F401CC)", kF401, "target/stm32f4x.cfg",
-     "/0x08000000/04*016Kg,01*064Kg", 65536},
-    // Its boot loader is in the last 8 kB.
-    {"bigrobotarm-atmega2560", "BigRobotArm's board (ATmega2560)", kMega2560, "", "", 253952,
-     "m2560"},
-});
-
 std::string place(std::uint32_t bytes) {
   return fmt::format("0x{:08x}:{}", kFlashBegin, bytes);
 }
@@ -66,15 +54,6 @@ std::size_t count_of(std::string_view text, std::string_view part) {
 }
 
 }  // namespace
-
-std::span<const FlashBoard> flash_boards() {
-  return kBoards;
-}
-
-const FlashBoard* flash_board(std::string_view image) {
-  const auto* const found = std::ranges::find(kBoards, image, &FlashBoard::image);
-  return found == kBoards.end() ? nullptr : found;
-}
 
 std::string_view FlashTool::program() const {
   switch (way_) {

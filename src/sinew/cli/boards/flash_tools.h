@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <expected>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "sinew/cli/images/flash_boards.h"
 
 namespace sinew::cli {
 
@@ -17,22 +17,6 @@ enum class FlashWay : std::uint8_t {
   kProbe,    ///< an ST-Link on its debug pins: openocd
   kArduino,  ///< the boot loader of an Arduino, on its USB port: avrdude
 };
-
-/// A board that there are images for.
-struct FlashBoard {
-  std::string_view image;  ///< "axis-stm32f103"
-  std::string_view what;   ///< for people
-  /// What its chip says of itself: device ID (ST AN2606), last bytes of the signature (AVR).
-  std::span<const std::uint16_t> chips;
-  std::string_view probe_target;  ///< openocd's file
-  std::string_view usb_flash;     ///< how its DFU describes its sectors; empty: it has no DFU
-  std::uint32_t size = 0;         ///< of its flash in front of the setup's place, bytes
-  std::string_view part = {};     ///< avrdude's name of an AVR; empty: an STM32
-};
-
-std::span<const FlashBoard> flash_boards();
-/// nullptr: there is no such board.
-const FlashBoard* flash_board(std::string_view image);
 
 /// One run of a tool, and what it is for.
 struct FlashStep {

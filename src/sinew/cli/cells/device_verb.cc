@@ -11,6 +11,7 @@
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/verb_options.h"
 #include "sinew/core/spelling.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/io/interrupt.h"
 
 namespace sinew::cli {
@@ -18,10 +19,11 @@ namespace sinew::cli {
 // One line for each kind, in each of the two lists.
 extern const DeviceActions kIcpActions;
 extern const DeviceActions kAxisActions;
+extern const DeviceActions kArmLinkActions;
 
 namespace {
 
-constexpr std::array kKinds{&kIcpActions, &kAxisActions};
+constexpr std::array kKinds{&kIcpActions, &kAxisActions, &kArmLinkActions};
 
 std::vector<std::string_view> names_of(std::span<const DeviceAction> actions) {
   std::vector<std::string_view> names;
@@ -50,17 +52,23 @@ std::string help_of_actions() {
   return joined(kinds, "; ");
 }
 
+/// Of this device; nullptr: it has none.
+const DeviceActions* actions_of(const Device& device) {
+  const auto kind =
+      std::ranges::find_if(kKinds, [&](const DeviceActions* one) { return one->are_of(device); });
+  return kind != kKinds.end() ? *kind : nullptr;
+}
+
 /// The one that this robot's device has by that name.
 std::expected<const DeviceAction*, Outcome> action_of(const DeviceRequest& request,
                                                       const RobotModel& model) {
-  const auto kind = std::ranges::find_if(
-      kKinds, [&](const DeviceActions* one) { return one->are_of(model.device); });
-  if (kind == kKinds.end()) {
+  const DeviceActions* const kind = actions_of(model.device);
+  if (kind == nullptr) {
     return std::unexpected(could_not(model.id + ": only " + whose_actions() +
                                      " have commands of their own; sinew doctor --robot " +
                                      model.id + " --port DEVICE queries the others"));
   }
-  const auto& actions = (*kind)->all;
+  const auto& actions = kind->all;
   const auto found = std::ranges::find(actions, request.action, &DeviceAction::name);
   if (found != actions.end()) return &*found;
   return std::unexpected(bad_input("'" + printable(request.action) + "' is none of " +
@@ -94,6 +102,36 @@ void tell_positions(const runtime::Station& station, Outcome& outcome) {
   const std::span positions(view.positions.data(), view.positions.size());
   outcome.text += "  known: " + standing_text(positions, station.robot()) + "\n";
   outcome.json["positions"] = positions_json(positions, station.robot());
+}
+
+std::expected<std::vector<BoardSaid>, Outcome> boards_of_robot(const RobotOptions& where,
+                                                               const RobotModel& model,
+                                                               std::unique_ptr<LocalCell>& cell) {
+  const DeviceKind& kind = kind_of(model.device);
+  if (kind.image != nullptr && cell) {
+    const DeviceFacts facts = cell->station().view().facts;
+    return std::vector{BoardSaid{{}, facts.empty() ? std::nullopt : kind.image(facts)}};
+  }
+  const DeviceActions* const actions = actions_of(model.device);
+  if (actions == nullptr || actions->images == nullptr) return std::vector<BoardSaid>();
+  cell.reset();
+  return actions->images(where, model);
+}
+
+Outcome tell_firmware(const DeviceRequest& request, const RobotModel& model) {
+  std::unique_ptr<LocalCell> cell;
+  if (kind_of(model.device).image != nullptr) {
+    auto started = LocalCell::start(model, request.robot);
+    if (!started) return started.error();
+    cell = std::move(*started);
+    if (const auto why = cell->enable()) return could_not(cell->sentence(*why));
+  }
+  const auto boards = boards_of_robot(request.robot, model, cell);
+  if (!boards) return boards.error();
+  Outcome outcome;
+  outcome.json["done"] = request.action;
+  tell_boards(*boards, request.images, outcome);
+  return outcome;
 }
 
 Outcome run_device_action(const DeviceRequest& request) {

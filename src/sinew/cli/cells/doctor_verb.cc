@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "sinew/cli/cells/device_verb.h"
 #include "sinew/cli/cells/robot_verb_options.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/verb_options.h"
@@ -72,11 +73,15 @@ Outcome ask_robot(const DoctorRequest& request) {
   auto cell = LocalCell::start(model, request.robot);
   if (!cell) return refuse(cell.error().complaint);
   if (const auto trouble = (*cell)->enable()) return refuse((*cell)->sentence(*trouble));
-  const runtime::Station& station = (*cell)->station();
-  const std::string answer = healthy_text(model, station.view());
+  const std::string answer = healthy_text(model, (*cell)->station().view());
   outcome.text += fmt::format("\n  {} answers on {}: {}\n", model.id, port, answer);
   tell_settings(chosen->settings, outcome);
-  const std::string suspicion = station.suspicion();
+  const std::string suspicion = (*cell)->station().suspicion();
+  // What a board does not say is no trouble of the robot.
+  if (const auto boards = boards_of_robot(request.robot, model, *cell);
+      boards && !boards->empty()) {
+    tell_boards(*boards, {}, outcome);
+  }
   outcome.json["answer"] = {{"ok", suspicion.empty()},
                             {"sentence", suspicion.empty() ? answer : suspicion}};
   if (suspicion.empty()) return outcome;

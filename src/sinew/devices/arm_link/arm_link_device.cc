@@ -10,7 +10,8 @@ using namespace bigrobotarm;
 namespace {
 
 constexpr Duration kSlice = std::chrono::milliseconds(1);
-constexpr double kUnitsPerStep = 256;
+constexpr double kUnits = mcu::kUnitsPerStep;
+constexpr double kServoUnits = mcu::kServoUnitsPerDegree;
 
 }  // namespace
 
@@ -68,7 +69,8 @@ void ArmLinkBoard::advance(Instant now) {
     if (!busy()) {
       const Duration rest = now - sliced_;
       sliced_ += rest - rest % kSlice;
-      // A session ends also at rest.
+      // A session ends also at rest, and the stop line is looked at.
+      board_->slice(stop_line_);
       board_->poll(ms());
       break;
     }
@@ -81,10 +83,10 @@ void ArmLinkBoard::slice() {
   const mcu::ArmMotion& motion = board_->motion();
   std::array<std::int32_t, kJoints> before{};
   for (std::uint8_t i = 0; i < kJoints; ++i) before[i] = motion.position(i);
-  board_->slice(false);
+  board_->slice(stop_line_);
   for (int tick = 0; tick < mcu::StepPulses::kTicks; ++tick) board_->pulses().tick();
   for (std::uint8_t i = 0; i < kJoints; ++i) {
-    rotor_[i] += (motion.position(i) - before[i]) / kUnitsPerStep;
+    rotor_[i] += (motion.position(i) - before[i]) / kUnits;
   }
   sliced_ += kSlice;
   board_->poll(ms());
@@ -108,13 +110,13 @@ std::array<double, kJoints> ArmLinkBoard::rotor_steps(Instant /*now*/) const {
 std::array<double, kJoints> ArmLinkBoard::counted_steps(Instant /*now*/) const {
   std::array<double, kJoints> steps{};
   for (std::uint8_t i = 0; i < kJoints; ++i) {
-    steps[i] = board_->motion().position(i) / kUnitsPerStep;
+    steps[i] = board_->motion().position(i) / kUnits;
   }
   return steps;
 }
 
 Gripper ArmLinkBoard::gripper() const {
-  const double degrees = board_->motion().gripper().angle() / 128.0;
+  const double degrees = board_->motion().gripper().angle() / kServoUnits;
   return {board_->gripper_on(), static_cast<std::uint8_t>(std::lround(degrees))};
 }
 

@@ -26,6 +26,7 @@ class ArmLinkBoard final : public BigRobotArmBoard {
   std::array<double, bigrobotarm::kJoints> counted_steps(Instant now) const override;
   bigrobotarm::Gripper gripper() const override;
   std::uint64_t bytes_lost() const override { return bytes_lost_; }
+  void set_stop_line(bool low) { stop_line_ = low; }
 
  private:
   static constexpr std::size_t kPort = 255;  ///< bytes that its port keeps
@@ -43,6 +44,7 @@ class ArmLinkBoard final : public BigRobotArmBoard {
   Instant sliced_;  ///< end of the last millisecond
   Instant deaf_until_{};
   std::uint64_t bytes_lost_ = 0;
+  bool stop_line_ = false;
   std::array<double, bigrobotarm::kJoints> rotor_{};  ///< at `sliced_`
 };
 

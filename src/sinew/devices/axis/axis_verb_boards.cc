@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "sinew/cli/cells/device_verb.h"
-#include "sinew/cli/output/board_image_text.h"
 #include "sinew/core/error_code.h"
 #include "sinew/devices/axis/axis_device_setup_model.h"
 #include "sinew/devices/axis_link/axis_link_driver_setup.h"
@@ -81,25 +80,29 @@ std::string told(bool written, const std::optional<AxisSetup>& before, const Rob
   return "set up now; before it was set up as " + was;
 }
 
-/// One board after the other, below driver and controller; the first that fails is the complaint.
-/// @param talk  with the board of a joint, over its line; adds to the outcome
-using TalkWithBoard = std::function<std::expected<void, Error>(
-    std::size_t joint, const axis_link::SetupLine& line, Outcome& outcome)>;
-Outcome with_each_board(const DeviceRequest& request, const RobotModel& model,
-                        const TalkWithBoard& talk) {
+/// One board after the other, below driver and controller.
+/// @param talk  with the board of a joint, over its line
+/// @error  of the first that fails
+using TalkWithBoard =
+    std::function<std::expected<void, Error>(std::size_t joint, const axis_link::SetupLine& line)>;
+std::expected<void, Outcome> with_each_board(const RobotOptions& where, const RobotModel& model,
+                                             const TalkWithBoard& talk) {
+  const auto could_not = [](const std::string& why) {
+    return std::unexpected(cli::could_not(why));
+  };
   if (!model.device.settings.is<AxisLinkDevice>()) {
     return could_not(model.id +
                      ": only boards of the axis link keep a setup and tell what runs on them; "
                      "--wire link, or protocol = \"axis_link\" in its file, says that these are");
   }
-  const std::string& port = *request.robot.port;
-  if (const auto wrong = runtime::wrong_port(model, port)) return bad_input(*wrong);
+  const std::string& port = *where.port;
+  if (const auto wrong = runtime::wrong_port(model, port)) {
+    return std::unexpected(bad_input(*wrong));
+  }
   const io::Clock clock = runtime::clock_for(port, 1);
   const auto bus = runtime::open_spi(model, port, clock);
   if (!bus) return could_not(bus.error().sentence);
   const auto& link = model.device.settings.get<AxisLinkDevice>();
-  Outcome outcome;
-  outcome.json = {{"done", request.action}, {"boards", Json::array()}};
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     if (is_left_out(model, j)) continue;
     const auto select = static_cast<std::uint8_t>(1U << j);
@@ -119,47 +122,49 @@ Outcome with_each_board(const DeviceRequest& request, const RobotModel& model,
       return could_not("stopped; " + model.joints[j].name +
                        " and those behind it are as they were");
     }
-    if (const auto done = talk(j, line, outcome); !done) {
+    if (const auto done = talk(j, line); !done) {
       return could_not(sentence_of(done.error(), model));
     }
   }
-  return outcome;
+  return {};
 }
 
 /// Each board for its joint, as the robot's file says.
 Outcome set_up(const DeviceRequest& request, const RobotModel& model) {
-  return with_each_board(request, model,
-                         [&](std::size_t j, const axis_link::SetupLine& line,
-                             Outcome& outcome) -> std::expected<void, Error> {
-                           const auto report =
-                               axis_link::write_setup(encode_setup(axis_setup(model, j)),
-                                                      static_cast<std::int8_t>(j), line);
-                           if (!report) return std::unexpected(report.error());
-                           const auto before = decode_setup(report->before);
-                           outcome.text += fmt::format("  {}: {}\n", model.joints[j].name,
-                                                       told(report->written, before, model));
-                           outcome.json["boards"].push_back({{"joint", model.joints[j].name},
-                                                             {"written", report->written},
-                                                             {"was_set_up", before.has_value()}});
-                           return {};
-                         });
+  Outcome outcome;
+  outcome.json = {{"done", request.action}, {"boards", Json::array()}};
+  const auto write = [&](std::size_t j,
+                         const axis_link::SetupLine& line) -> std::expected<void, Error> {
+    const auto report = axis_link::write_setup(encode_setup(axis_setup(model, j)),
+                                               static_cast<std::int8_t>(j), line);
+    if (!report) return std::unexpected(report.error());
+    const auto before = decode_setup(report->before);
+    outcome.text +=
+        fmt::format("  {}: {}\n", model.joints[j].name, told(report->written, before, model));
+    outcome.json["boards"].push_back({{"joint", model.joints[j].name},
+                                      {"written", report->written},
+                                      {"was_set_up", before.has_value()}});
+    return {};
+  };
+  if (const auto all = with_each_board(request.robot, model, write); !all) return all.error();
+  return outcome;
 }
 
 /// What runs on each board.
-Outcome tell_images(const DeviceRequest& request, const RobotModel& model) {
-  return with_each_board(
-      request, model,
-      [&](std::size_t j, const axis_link::SetupLine& line,
-          Outcome& outcome) -> std::expected<void, Error> {
-        const auto image = axis_link::read_board_image(static_cast<std::int8_t>(j), line);
-        if (!image) return std::unexpected(image.error());
-        Json one{{"joint", model.joints[j].name}};
-        if (*image) one.update(image_json(**image));
-        outcome.json["boards"].push_back(std::move(one));
-        outcome.text += fmt::format("  {}: {}\n", model.joints[j].name,
-                                    *image ? image_text(**image) : "does not tell");
-        return {};
-      });
+std::expected<std::vector<BoardSaid>, Outcome> images(const RobotOptions& where,
+                                                      const RobotModel& model) {
+  std::vector<BoardSaid> boards;
+  const auto read = [&](std::size_t j,
+                        const axis_link::SetupLine& line) -> std::expected<void, Error> {
+    const auto image = axis_link::read_board_image(static_cast<std::int8_t>(j), line);
+    if (!image) return std::unexpected(image.error());
+    boards.push_back({model.joints[j].name, *image});
+    return {};
+  };
+  if (const auto all = with_each_board(where, model, read); !all) {
+    return std::unexpected(all.error());
+  }
+  return boards;
 }
 
 constexpr std::array<DeviceAction, 4> kBoardsAll{
@@ -167,7 +172,7 @@ constexpr std::array<DeviceAction, 4> kBoardsAll{
       .note = "writes into each board what its axis is built of; its motor is without current for "
               "0.1 s then",
       .alone = set_up},
-     {.name = "firmware", .note = "which image runs on each board", .alone = tell_images},
+     {.name = "firmware", .note = "which image runs on each board", .alone = tell_firmware},
      {.name = "release", .note = "a latched emergency stop, nothing moves", .run = release},
      {.name = "test",
       .note = "each board of itself; a homed motor turns a full step and back",
@@ -179,6 +184,7 @@ extern const DeviceActions kAxisActions;
 constexpr DeviceActions kAxisActions{
     .whose = "axis boards on SPI",
     .are_of = [](const Device& device) { return !boards_of(device).empty(); },
-    .all = kBoardsAll};
+    .all = kBoardsAll,
+    .images = images};
 
 }  // namespace sinew::cli

@@ -47,10 +47,12 @@ void state(const Driver& driver, const RobotModel& /*robot*/, DeviceStatements& 
 
 std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
                          const DriverHealth& health) {
+  const std::string own = " Does it run Sinew's firmware (--wire framed)?";
   if (robot.device.settings.get<BigRobotArmDevice>().probe_wire) {
-    return common_silence_hint(robot, health);
+    return common_silence_hint(robot, health, own, own);
   }
-  return common_silence_hint(robot, health, " Does it speak this wire (--wire probe finds out)?",
+  return common_silence_hint(robot, health,
+                             " Does it speak this wire (--wire probe finds out)?" + own,
                              " Or does it speak another wire (--wire probe finds out)?");
 }
 

@@ -47,7 +47,7 @@ BigRobotArmDriver::BigRobotArmDriver(const BigRobotArmDevice& device, std::span<
       timing_(timing),
       channel_(device, timing.wire),
       probe_(timing.wire),
-      belief_(device) {
+      belief_(device.joints) {
   SINEW_ASSERT(joints.size() == kJoints);
   for (std::size_t i = 0; i < kJoints; ++i) {
     const BigRobotArmJoint& own = device.joints[i];

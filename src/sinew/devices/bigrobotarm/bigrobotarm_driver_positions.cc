@@ -21,18 +21,18 @@ constexpr double kRounding = 1e-9;  // rad
 
 }  // namespace
 
-BigRobotArmPositions::BigRobotArmPositions(const BigRobotArmDevice& device) : device_(device) {
-  for (const BigRobotArmJoint& joint : device.joints) {
+BigRobotArmPositions::BigRobotArmPositions(const BigRobotArmJoints& joints) : joints_(joints) {
+  for (const BigRobotArmJoint& joint : joints_) {
     SINEW_ASSERT(joint.steps_per_rad != 0 && joint.steps_per_motor_rev > 0);
   }
 }
 
 double BigRobotArmPositions::angle(std::size_t joint, const Words& steps) const {
-  return offset_[joint] + steps[joint] / device_.joints[joint].steps_per_rad;
+  return offset_[joint] + steps[joint] / joints_[joint].steps_per_rad;
 }
 
 double BigRobotArmPositions::full_step(std::size_t joint) const {
-  const BigRobotArmJoint& own = device_.joints[joint];
+  const BigRobotArmJoint& own = joints_[joint];
   return own.steps_per_motor_rev / kFullStepsPerRev / std::abs(own.steps_per_rad);
 }
 
@@ -109,7 +109,7 @@ void BigRobotArmPositions::judge(const Status& status, BigRobotArmStart start) {
     lose();
   } else if (boot) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      offset_[i] += (from[i] - steps_[i]) / device_.joints[i].steps_per_rad;
+      offset_[i] += (from[i] - steps_[i]) / joints_[i].steps_per_rad;
     }
     widen_by_snap();
   } else if (as_left || as_asked) {
@@ -130,7 +130,7 @@ void BigRobotArmPositions::judge(const Status& status, BigRobotArmStart start) {
 /// So far that a rotor anywhere between two rests has found one.
 bool BigRobotArmPositions::turned(std::size_t joint, const Words& from, const Words& to) const {
   const double steps = std::abs(1.0 * to[joint] - from[joint]);
-  const BigRobotArmJoint& own = device_.joints[joint];
+  const BigRobotArmJoint& own = joints_[joint];
   return steps >= own.steps_per_motor_rev / kFullStepsPerRev * kFullStepsPerPole;
 }
 
@@ -150,7 +150,7 @@ void BigRobotArmPositions::settle_by_count(std::span<const JointPosition> said) 
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (!tied[i] && slack_[i].lost && !all_zero) ties_[i] = 0;
     if (!tied[i] || slack_[i].lost) continue;
-    const double here = *tied[i] + steps_[i] / device_.joints[i].steps_per_rad;
+    const double here = *tied[i] + steps_[i] / joints_[i].steps_per_rad;
     const double near = (1 + kSnap) * full_step(i);
     const bool inside = said[i].lower - kRounding <= here && here <= said[i].upper + kRounding;
     // A damaged request may have reset its counters on the way: they count a place of the motion's
@@ -182,14 +182,14 @@ bool BigRobotArmPositions::is_tied(std::size_t joint) const {
 std::optional<JointInterval> BigRobotArmPositions::counted(std::size_t joint) const {
   const std::optional<double> zero = is_tied(joint) ? offset_[joint] : ties_[joint];
   if (!heard_ || going_ || doubted_ || !zero) return std::nullopt;
-  const double here = *zero + steps_[joint] / device_.joints[joint].steps_per_rad;
+  const double here = *zero + steps_[joint] / joints_[joint].steps_per_rad;
   const double margin = (1 + kSnap) * full_step(joint);
   return JointInterval{here - margin, here + margin};
 }
 
 void BigRobotArmPositions::zero() {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double way = steps_[i] / device_.joints[i].steps_per_rad;
+    const double way = steps_[i] / joints_[i].steps_per_rad;
     offset_[i] += way;
     if (ties_[i]) *ties_[i] += way;
   }
@@ -209,7 +209,7 @@ void BigRobotArmPositions::widen_by_snap() {
 /// The arm stands where it stood, or at the device's zero; the device counts 0 in both cases.
 void BigRobotArmPositions::reach_from_zero(const Words& from) {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double way = from[i] / device_.joints[i].steps_per_rad;
+    const double way = from[i] / joints_[i].steps_per_rad;
     slack_[i].uncertain = true;
     slack_[i].lower += std::min(0.0, way);
     slack_[i].upper += std::max(0.0, way);

@@ -48,7 +48,7 @@ class BigRobotArmPositions {
   using Words = bigrobotarm::Words;
   using Angles = std::array<double, bigrobotarm::kJoints>;
 
-  explicit BigRobotArmPositions(const BigRobotArmDevice& device);
+  explicit BigRobotArmPositions(const BigRobotArmJoints& joints);
 
   /// Where the arm stands, from whoever knows and has recorded it; while nothing is heard yet it is
   /// kept for the first status.
@@ -103,7 +103,7 @@ class BigRobotArmPositions {
   bool turned(std::size_t joint, const Words& from, const Words& to) const;
   void reach_from_zero(const Words& from);
 
-  BigRobotArmDevice device_;
+  BigRobotArmJoints joints_;
   Angles offset_{};
   Words steps_{};
   Words target_{};

@@ -6,6 +6,11 @@
 
 namespace sinew {
 
+void read_motor(TableReader& table, BigRobotArmJoint& joint) {
+  read_per_angle(table, "steps_per_*", joint.steps_per_rad);
+  table.number("steps_per_motor_rev", between(1, 1e6), joint.steps_per_motor_rev);
+}
+
 void read_bigrobotarm(TableReader& reader, RobotModel& model) {
   struct Wire {
     BigRobotArmWire wire = BigRobotArmWire::kByte;
@@ -32,8 +37,7 @@ void read_bigrobotarm(TableReader& reader, RobotModel& model) {
                   model.device.capability.nudge_max);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     BigRobotArmJoint& joint = device.joints[i];
-    read_per_angle(table, "steps_per_*", joint.steps_per_rad);
-    table.number("steps_per_motor_rev", between(1, 1e6), joint.steps_per_motor_rev);
+    read_motor(table, joint);
     table.integer("multiplier_boot", 1, device.multiplier_max, joint.multiplier_boot);
   });
 }

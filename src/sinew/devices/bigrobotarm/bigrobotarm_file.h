@@ -4,8 +4,11 @@
 
 namespace sinew {
 
+struct BigRobotArmJoint;
 class TableReader;
 
+/// Steps of a joint and of its motor.
+void read_motor(TableReader& table, BigRobotArmJoint& joint);
 void read_bigrobotarm(TableReader& reader, RobotModel& model);
 
 }  // namespace sinew

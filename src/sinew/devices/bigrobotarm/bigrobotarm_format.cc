@@ -27,7 +27,7 @@ std::string degrees(double angle) {
 class RowWriter {
  public:
   explicit RowWriter(const RobotModel& robot)
-      : robot_(robot), device_(robot.device.settings.get<BigRobotArmDevice>()) {}
+      : robot_(robot), device_(*big_robot_arm_of(*robot.device.settings)) {}
 
   void take(const sequence::Section& section) {
     const bool differs = std::ranges::any_of(section.steps, [](const sequence::Step& step) {
@@ -166,7 +166,7 @@ class SequenceWriter {
   SequenceWriter(const Program& program, const RobotModel& robot)
       : program_(program),
         robot_(robot),
-        device_(robot.device.settings.get<BigRobotArmDevice>()),
+        device_(*big_robot_arm_of(*robot.device.settings)),
         q_(home_joints(robot)) {
     sequence_.sections.push_back({false, 0, 1, {{0, sequence::Synchronise{true}}}});
   }
@@ -294,13 +294,17 @@ std::expected<sequence::Program, std::vector<Complaint>> sequence_of_rows(const 
 
 namespace {
 
+bool is_own(const RobotModel& robot) {
+  return big_robot_arm_of(*robot.device.settings) != nullptr;
+}
+
 std::string is_none(const RobotModel& robot) {
   return "sequences are the BigRobotArm's; " + robot.id + " is none";
 }
 
 std::expected<Rows, NoForm> read_sequence(std::string_view text, const std::string& file_name,
                                           const RobotModel& robot) {
-  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
+  const BigRobotArmDevice* device = big_robot_arm_of(*robot.device.settings);
   if (device == nullptr) return no_form(is_none(robot));
   const auto sequence = sequence::parse(text, file_name, *device);
   if (!sequence) return no_form(sequence.error());
@@ -312,7 +316,7 @@ std::expected<std::string, NoForm> write_sequence(const Program& program, const 
   // A row that cannot be carried out is said before one that a sequence has no command for.
   const auto plan = make_plan(program, robot, home_joints(robot));
   if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
-  if (!robot.device.settings.is<BigRobotArmDevice>()) return no_form(is_none(robot));
+  if (!is_own(robot)) return no_form(is_none(robot));
   const auto sequence = sequence_of_rows(program, robot);
   if (!sequence) return no_form(sequence.error());
   return sequence::to_text(*sequence);
@@ -325,7 +329,7 @@ constexpr std::array<std::string_view, 1> kEndings{".txt"};
 extern const TextForm kSequenceForm;
 constexpr TextForm kSequenceForm{.name = "sequence",
                                  .endings = kEndings,
-                                 .protocol = "bigrobotarm",
+                                 .is_own = is_own,
                                  .rows = read_sequence,
                                  .text = write_sequence};
 

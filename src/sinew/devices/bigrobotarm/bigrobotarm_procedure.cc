@@ -29,5 +29,7 @@ void list_arm(StepList& list, const RobotModel& robot, const Homing& /*homing*/,
 
 extern const FirstDay kBigRobotArmDay;
 const FirstDay kBigRobotArmDay{.protocol = "bigrobotarm", .list = list_arm};
+extern const FirstDay kArmLinkDay;
+const FirstDay kArmLinkDay{.protocol = "arm_link", .list = list_arm};
 
 }  // namespace sinew::program

@@ -18,13 +18,15 @@ struct BigRobotArmJoint {
   std::int32_t multiplier_boot = 100;  ///< speed and acceleration at power-up, motor rev/s x 100
 };
 
+using BigRobotArmJoints = std::array<BigRobotArmJoint, kBigRobotArmJoints>;
+
 enum class BigRobotArmWire : std::uint8_t { kByte, kText };
 
 /// The text wire's two generations. A host works with either; a simulated device is one of them.
 enum class BigRobotArmDialect : std::uint8_t { k2021, k2026 };
 
 struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
-  std::array<BigRobotArmJoint, kBigRobotArmJoints> joints;
+  BigRobotArmJoints joints;
   BigRobotArmWire wire = BigRobotArmWire::kByte;
   BigRobotArmDialect dialect = BigRobotArmDialect::k2021;  ///< of the text wire
   bool probe_wire = false;  ///< wire and dialect are found out when the port opens
@@ -60,5 +62,8 @@ struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
   void use_wire(const std::string& name, Device& device) override;
   bool use_setting(const DeviceSetting& setting, Device& device) override;
 };
+
+/// The arm behind one of its wires, the maker's or ours; nullptr: the device is another one.
+const BigRobotArmDevice* big_robot_arm_of(const DeviceSettings& settings);
 
 }  // namespace sinew

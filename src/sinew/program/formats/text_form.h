@@ -34,7 +34,8 @@ inline std::unexpected<NoForm> no_form(std::vector<Complaint> complaints) {
 struct TextForm {
   std::string_view name;                      ///< "sequence", "pos", "gcode"
   std::span<const std::string_view> endings;  ///< of files' names, as ".pos"
-  std::string_view protocol = {};             ///< of the devices whose own it is; empty: of none
+  /// It is what the robot's own programs are written in; nullptr: of none.
+  bool (*is_own)(const RobotModel& robot) = nullptr;
   /// The rows of a program; parse() takes them.
   /// @param file_name  as complaints shall show it
   std::expected<Rows, NoForm> (*rows)(std::string_view text, const std::string& file_name,

@@ -143,8 +143,8 @@ const TextForm* form_of_text(std::string_view name, std::string_view text,
   const bool code = first.size() > 1 && std::string_view("GMS").contains(first[0]) &&
                     first[1] >= '0' && first[1] <= '9';
   if (!code && first != "BEGIN") return nullptr;
-  const auto own =
-      std::ranges::find(kForms, kind_of(robot.device).table.protocol, &TextForm::protocol);
+  const auto own = std::ranges::find_if(
+      kForms, [&](const TextForm* form) { return form->is_own != nullptr && form->is_own(robot); });
   return own != kForms.end() ? *own : &kGcodeForm;
 }
 

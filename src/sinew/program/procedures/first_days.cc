@@ -7,6 +7,7 @@
 namespace sinew::program {
 
 // One line for each, in each of the two lists.
+extern const FirstDay kArmLinkDay;
 extern const FirstDay kAxisLinkDay;
 extern const FirstDay kAxisRegistersDay;
 extern const FirstDay kBigRobotArmDay;
@@ -15,8 +16,9 @@ extern const FirstDay kLscDay;
 extern const FirstDay kMaxArmDay;
 
 const FirstDay* first_day_of(const Device& device) {
-  static constexpr std::array kAll{&kAxisLinkDay, &kAxisRegistersDay, &kBigRobotArmDay,
-                                   &kIcpDay,      &kLscDay,           &kMaxArmDay};
+  static constexpr std::array kAll{&kArmLinkDay,     &kAxisLinkDay, &kAxisRegistersDay,
+                                   &kBigRobotArmDay, &kIcpDay,      &kLscDay,
+                                   &kMaxArmDay};
   const std::string_view protocol = kind_of(device).table.protocol;
   const auto found = std::ranges::find(kAll, protocol, &FirstDay::protocol);
   return found != kAll.end() ? *found : nullptr;

@@ -14,8 +14,10 @@
 #include "sinew/devices/kinds.h"
 #include "sinew/devices/lsc/lsc_wire.h"
 #include "sinew/devices/maxarm/maxarm_wire.h"
+#include "sinew/mcu/arm_link.h"
 #include "sinew/runtime/links/robot_variant.h"
 #include "sinew/runtime/links/wire_monitor.h"
+#include "sinew/wire/cobs.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {
@@ -215,6 +217,42 @@ TEST(WireReader, axis_link_frames_and_silence) {
                                 "state: sequence 8, position_deg 0, velocity_deg_s 0, flags homed, "
                                 "fault 0, verdict accepted",
                                 "no answer", "damaged: why checksum"}));
+}
+
+TEST(WireReader, arm_link_frames_both_ways) {
+  using namespace mcu::arm_link;
+  Ear ear(variant("bigrobotarm", {}, "framed").device);
+  const auto framed = [](const auto& message) {
+    std::array<std::uint8_t, kReplyMax> frame{};
+    const std::size_t size = encode(message, frame.data());
+    const auto stream = cobs::encode(std::span(frame.data(), size));
+    return Bytes(stream.begin(), stream.end());
+  };
+  Request segment{};
+  segment.kind = mcu::arm_link::Kind::kSegment;
+  segment.session = 3;
+  segment.sequence = 70;
+  segment.segment = {20, false, mcu::kGripperStays, {256, -512, 0, 0, 1}, {1024, 0, 0, 0, 0}};
+  Reply state{};
+  state.kind = mcu::arm_link::Kind::kSegment;
+  state.session = 3;
+  state.sequence = 70;
+  state.moving = true;
+  state.queued_ms = 40;
+  state.queue_room = 14;
+  state.positions[1] = -512;
+  const Bytes good = framed(state);
+  Bytes damaged = good;
+  damaged[9] ^= 4;
+  ear.down(framed(segment)).up(good).up(damaged).up(both({0x41}, good));
+  EXPECT_EQ(ear.texts(),
+            (Texts{"segment: session 3, number 70, time_ms 20, units 256 -512 0 0 1, speeds 1024 0 "
+                   "0 0 0",
+                   "segment: session 3, number 70, units 0 -512 0 0 0, moving yes, queued_ms 40, "
+                   "queue_room 14, fault none",
+                   "damaged", "damaged",
+                   "segment: session 3, number 70, units 0 -512 0 0 0, moving yes, queued_ms 40, "
+                   "queue_room 14, fault none"}));
 }
 
 /// However a port cuts the stream, the same messages come of it, and every byte is in one.

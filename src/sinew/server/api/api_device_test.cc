@@ -204,6 +204,22 @@ TEST(ApiDevice, bigrobotarm_tells_its_counters_and_that_it_knows_no_place) {
   EXPECT_FALSE(last_frame(client, "big", "ask_status").is_null());
 }
 
+TEST(ApiDevice, bigrobotarm_with_our_firmware_tells_its_queue_and_its_statistics) {
+  ApiCell cell({place("big", "bigrobotarm", {}, "framed")});
+  ApiClient client(cell);
+  make_ready(client, "big");
+  Json device;
+  ASSERT_TRUE(cell.until([&] {
+    device = device_of(client, "big");
+    return device.contains("statistics") && device["arm"]["reference"] == "set";
+  }));
+  EXPECT_EQ(device["wire"], "arm_link");
+  EXPECT_EQ(device["arm"]["joints"].size(), 5U);
+  EXPECT_EQ(device["arm"]["fault"], "none");
+  EXPECT_EQ(device["statistics"]["starts"], 1);
+  EXPECT_FALSE(last_frame(client, "big", "statistics").is_null());
+}
+
 TEST(ApiDevice, axis_boards_tell_their_registers) {
   ApiCell cell({place("arm", "robot-arm-2", {}, "registers")});
   ApiClient client(cell);

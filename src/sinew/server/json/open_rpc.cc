@@ -2,6 +2,7 @@
 
 #include "sinew/server/json/methods.h"
 #include "sinew/server/json/result_schemas.h"
+#include "sinew/server/json/schema_words.h"
 
 namespace sinew::server {
 namespace {
@@ -79,7 +80,7 @@ Json method_json(const Method& method) {
           {"result",
            {{"name", "result"},
             {"summary", method.result},
-            {"schema", schema_ref(std::string(method.schema))}}},
+            {"schema", schema::schema_ref(std::string(method.schema))}}},
           {"errors", error_refs()},
           {"x-role", method.moves ? "operator" : "viewer"}};
 }

@@ -1,15 +1,10 @@
 #pragma once
 
-#include <string>
-
 #include "sinew/server/json/json_rpc.h"
 
 /// What comes back from each method and with each message, as JSON Schema (draft 7). A test holds
 /// real answers of a running cell against them, and takes no field that stands in none.
 namespace sinew::server {
-
-/// To one of result_schemas(), from within an OpenRPC document.
-Json schema_ref(const std::string& name);
 
 /// By name; they refer to each other as "#/components/schemas/NAME".
 Json result_schemas();

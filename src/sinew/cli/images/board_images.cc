@@ -1,4 +1,4 @@
-#include "sinew/cli/boards/board_images.h"
+#include "sinew/cli/images/board_images.h"
 
 #include <filesystem>
 

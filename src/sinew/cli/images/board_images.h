@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sinew/cli/boards/flash_tools.h"
+#include "sinew/cli/images/flash_boards.h"
 #include "sinew/wire/board_image.h"
 
 namespace sinew::cli {
