@@ -66,6 +66,12 @@ name = "left"
 robot = "learm"
 profile = "bus"
 x_mm = 1500
+
+[[robot]]
+name = "big"
+robot = "bigrobotarm"
+wire = "framed"
+x_mm = 9000
 `);
 });
 after(async () => {
@@ -90,6 +96,19 @@ async function saved(page) {
     return { time: Number(time), way, hex };
   });
 }
+
+test('a BigRobotArm with our firmware: its steps, what they count from, its port, and frames that are read', async () => {
+  const page = await at('big');
+  await page.evaluate(() => void globalThis.__sinew.store.enable('big'));
+  const steps = part(page, 'Step counters');
+  await steps.getByText('at rest').waitFor();
+  await steps.getByText('what a host has set').waitFor();
+  const firmware = part(page, 'Firmware');
+  await firmware.getByText('0 bytes lost, 0 damaged frames').waitFor();
+  const told = await ask('device.status', { robot: 'big' });
+  assert.deepEqual(told.arm.joints.map((one) => one.steps), [0, 0, 0, 0, 0]);
+  await here.close(page, 'device_arm_link');
+});
 
 test('a hexapod with a failing supply: flags, twelve bytes and what to do, as the machine has them', async () => {
   const page = await at('six');
