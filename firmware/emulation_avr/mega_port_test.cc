@@ -58,7 +58,6 @@ TEST_F(MegaPortTest, says_which_image_runs_and_whether_an_update_is_due) {
 
 TEST_F(MegaPortTest, a_program_moves_its_motors) {
   const std::string program = folder_.file("p.sinew", "joint base=3deg elbow=-2deg\n");
-  const std::string home = folder_.file("home.sinew", "wait 0.01s\n");
   const Ended stands = sinew({"doctor", "--port", port_.name()});
   ASSERT_EQ(stands.exit, 0) << stands.err;
   const Ended ran = sinew({"run", program, "--port", port_.name(), "--standing-at", "home"});

@@ -213,7 +213,7 @@ void ArmLinkDriver::take_opening(const Channel::Answered& answered) {
     return ask(Kind::kIdentity);
   }
   if (step_ == Step::kRest) {
-    // Somebody else's motion ends first.
+    // Another host's motion ends first.
     if (reply.moving) goes_on_until_ = now_ + braking();
     if (reply.moving || reply.queued_ms > 0) return;
     judge(reply);
@@ -407,20 +407,14 @@ Expected<void> ArmLinkDriver::tool(const ToolAction& action, Instant now) {
   ask(Kind::kGripper);
   due_->gripper_on = gripper->enabled;
   due_->gripper = static_cast<std::uint16_t>(std::lround(std::max(0.0, degrees) * kServoUnits));
-  activity_ = Activity::kAsking;
-  commands_.accept();
-  poll(now);
-  return {};
+  return begin_asking(now);
 }
 
 Expected<void> ArmLinkDriver::zero_counters(Instant now) {
   poll(now);
   if (const auto may = may_begin(); !may) return may;
   ask(Kind::kPositions);
-  activity_ = Activity::kAsking;
-  commands_.accept();
-  poll(now);
-  return {};
+  return begin_asking(now);
 }
 
 Expected<void> ArmLinkDriver::clear_fault(Instant now) {
@@ -429,16 +423,21 @@ Expected<void> ArmLinkDriver::clear_fault(Instant now) {
   if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
   ask(Kind::kRelease);
   clearing_ = true;
-  activity_ = Activity::kAsking;
-  commands_.accept();
-  poll(now);
-  return {};
+  return begin_asking(now);
 }
 
 void ArmLinkDriver::ask(Kind kind) {
   due_.emplace();
   due_->kind = kind;
   asks_left_ = kAsksMax;
+}
+
+/// A command that is what was asked for last.
+Expected<void> ArmLinkDriver::begin_asking(Instant now) {
+  activity_ = Activity::kAsking;
+  commands_.accept();
+  poll(now);
+  return {};
 }
 
 /// What was not carried out, since its number was not the next one, is asked again.

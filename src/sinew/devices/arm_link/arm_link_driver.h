@@ -122,6 +122,7 @@ class ArmLinkDriver : public ByteDriver {
   void begin_motion();
   void begin_stop();
   void ask(arm_link::Kind kind);
+  Expected<void> begin_asking(Instant now);
   void begin_anew(const Error& why, Instant now);
   std::array<JointInterval, kBigRobotArmJoints> reach() const;
   void leave_motion();
