@@ -4,6 +4,7 @@
 set(CMAKE_CXX_STANDARD 23)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_C_STANDARD 11)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 
@@ -108,7 +109,7 @@ endfunction()
 # for its tests, TEST_HEADERS for the tests. SHARDS as in sinew_test.
 function(sinew_room name)
   cmake_parse_arguments(ARG "" "SHARDS" "LIBRARIES;TEST_LIBRARIES;HEADERS;TEST_HEADERS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cc */*.cc)
+  file(GLOB sources CONFIGURE_DEPENDS *.c *.cc */*.cc)
   file(GLOB tests CONFIGURE_DEPENDS *_test.cc */*_test.cc)
   if(tests)
     list(REMOVE_ITEM sources ${tests})

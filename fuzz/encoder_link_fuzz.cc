@@ -7,6 +7,7 @@
 #include "decoders.h"
 #include "sinew/core/assert.h"
 #include "sinew/devices/encoder/encoder_wire.h"
+#include "sinew/mcu/encoder_node.h"
 
 // The encoder link from both sides. For any bytes: a decoder that was cut off and goes on in a copy
 // says the same as one that ran through; what was accepted is spelled as the very bytes it came
@@ -20,16 +21,40 @@ using fuzz::decode_all;
 using fuzz::same_when_cut;
 using namespace sinew::encoder_link;
 
-void requests_are_their_bytes(std::span<const std::uint8_t> bytes) {
-  RequestDecoder decoder;
+/// A node that has a value in each register.
+EncoderNode settled_node() {
+  EncoderNode node;
+  encoder_node_start(&node);
+  constexpr std::uint8_t kChip[] = {0x20, 0x0A, 0x55};
+  for (int i = 0; i < 200; ++i) encoder_node_sample(&node, kChip, 1);
+  return node;
+}
+
+void node_answers_requests_and_nothing_else(std::span<const std::uint8_t> bytes) {
+  EncoderNode node = settled_node();
   for (std::size_t end = 1; end <= bytes.size(); ++end) {
-    const auto request = decoder.push(bytes[end - 1]);
+    ReplyBytes reply{};
+    const bool answered = encoder_node_receive(&node, bytes[end - 1], reply.data());
     const bool there = end >= kRequestSize && bytes[end - 3] == kStart && bytes[end - 2] >= 1 &&
                        bytes[end - 2] <= 4 && bytes[end - 1] == kEnd;
-    SINEW_ASSERT(request.has_value() == there);
-    if (!request) continue;
-    const auto spelled = encode(*request);
-    SINEW_ASSERT(std::equal(spelled.begin(), spelled.end(), &bytes[end - kRequestSize]));
+    SINEW_ASSERT(answered == there);
+    SINEW_ASSERT(!answered || (reply[0] == kStart && reply[1] == bytes[end - 2]));
+  }
+}
+
+/// Each byte is a reading: good, without magnet, or none, with times between them.
+void node_survives_any_readings(std::span<const std::uint8_t> bytes) {
+  EncoderNode node;
+  encoder_node_start(&node);
+  for (std::size_t i = 0; i + 3 < bytes.size(); i += 4) {
+    encoder_node_sample(&node, bytes[i] % 4 == 0 ? nullptr : &bytes[i + 1], bytes[i]);
+    SINEW_ASSERT(node.position < kTurn);
+    for (const Register name : {Register::kPosition, Register::kVelocity, Register::kStatus}) {
+      for (const std::uint8_t byte : encode(Request{name})) {
+        ReplyBytes reply{};
+        static_cast<void>(encoder_node_receive(&node, byte, reply.data()));
+      }
+    }
   }
 }
 
@@ -47,9 +72,6 @@ void replies_are_their_bytes(Register asked, std::span<const std::uint8_t> bytes
 void every_message_comes_back(std::span<const std::uint8_t> bytes) {
   for (std::size_t i = 0; i + 1 < bytes.size(); ++i) {
     const auto name = static_cast<Register>(1 + bytes[i] % 4);
-    RequestDecoder requests;
-    const auto asked = decode_all(requests, encode(Request{name}));
-    SINEW_ASSERT(asked.size() == 1 && asked[0] == Request{name});
     auto value = static_cast<std::uint16_t>(bytes[i] | bytes[i + 1] << 8);
     if (name == Register::kPosition) value %= kTurn;
     ReplyDecoder replies(name);
@@ -90,12 +112,12 @@ void conversation_stays_sane(std::span<const std::uint8_t> bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span bytes(data, size);
-  same_when_cut(RequestDecoder{}, bytes);
   for (const Register name : {Register::kPosition, Register::kVelocity, Register::kStatus}) {
     same_when_cut(ReplyDecoder{name}, bytes);
     replies_are_their_bytes(name, bytes);
   }
-  requests_are_their_bytes(bytes);
+  node_answers_requests_and_nothing_else(bytes);
+  node_survives_any_readings(bytes);
   every_message_comes_back(bytes);
   conversation_stays_sane(bytes);
   return 0;

@@ -152,6 +152,27 @@ TEST_P(AxisImage, the_stop_line_ends_the_pulses_within_a_millisecond) {
   EXPECT_NEAR(bench.plant.q(), above_home(3), uncertainty());
 }
 
+TEST_P(AxisImage, a_supply_that_sags_ends_pulses_and_current_at_once) {
+  ASSERT_TRUE(ready());
+  ASSERT_TRUE(bench.send(Mode::kMove, above_home(60)));
+  ASSERT_TRUE(bench.read_until([&] { return to_deg(bench.plant.qd()) > 9; }, 5));
+  bench.chip.set_supply_low(true);
+  const Cycles sagged = bench.chip.core().now();
+  ASSERT_TRUE(bench.run(1e-3));
+  EXPECT_TRUE(bench.chip.output('B', 13)) << "no current";
+  bench.chip.set_supply_low(false);
+  ASSERT_TRUE(bench.run(0.1));
+  EXPECT_LT(seconds(std::max(bench.last_pulse, sagged) - sagged), 1e-3);
+  ASSERT_TRUE(bench.open());
+  EXPECT_EQ(bench.state.fault, static_cast<int>(AxisFault::kSupplyLow));
+  // It moves again only when it is asked to.
+  ASSERT_TRUE(bench.send(Mode::kClearFaults));
+  const std::int64_t before = bench.pulses;
+  ASSERT_TRUE(bench.run(0.5));
+  EXPECT_LE(bench.pulses - before, 40) << "the hold only";
+  ASSERT_TRUE(bench.open() && bench.home());
+}
+
 TEST_P(AxisImage, whatever_comes_over_the_wire_moves_nothing_and_hangs_nothing) {
   bench.set_up();
   ASSERT_TRUE(bench.run(0.1));
@@ -272,8 +293,9 @@ TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {
                                   setup.axis.limits.velocity, setup.axis.limits.acceleration,
                                   setup.axis.limits.jerk});
   };
-  // The erasing, and each unit of the copy: 194 half words, or 97 words.
-  const int units = GetParam() == Stm32Chip::kF103 ? 194 : 97;
+  // The erasing, and each unit of the copy: half words, or words.
+  constexpr int kCopySize = static_cast<int>(kSetupSize) + 8;
+  const int units = kCopySize / (GetParam() == Stm32Chip::kF103 ? 2 : 4);
   int kept = 0;
   for (int cut = 0; cut <= units + 1; cut += cut < 3 || cut > units - 3 ? 1 : 13) {
     SCOPED_TRACE(cut);
@@ -297,6 +319,82 @@ TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {
     if (is_new) break;
   }
   EXPECT_GT(kept, 10);
+}
+
+/// A joint whose AS5600 is read over RS-485, by its node.
+class NodeImage : public ::testing::TestWithParam<Stm32Chip> {
+ protected:
+  static constexpr std::size_t kForearm = 3;
+
+  static RobotModel with_node() {
+    RobotModel model = test::robot("robot-arm-2");
+    (*model.device.settings->own_boards())[kForearm].encoder_node = true;
+    return model;
+  }
+
+  bool ready() {
+    bench.set_up();
+    return bench.open() && bench.home();
+  }
+  /// In a session of its own; not measured where no answer comes.
+  axis_link::Health health() {
+    if (!bench.open() || !bench.send(Mode::kReadHealth)) return {};
+    const auto reply = bench.exchange({.axis = bench.setup.axis_number,
+                                       .mode = Mode::kRead,
+                                       .sequence = ++bench.sequence,
+                                       .session = bench.session});
+    const auto* told = reply ? std::get_if<axis_link::Health>(&reply->body) : nullptr;
+    return told != nullptr ? *told : axis_link::Health{};
+  }
+
+  RobotModel model = with_node();
+  AxisBench bench{GetParam(), model, kForearm, model.joints[kForearm].lower + from_deg(4), 1};
+};
+INSTANTIATE_TEST_SUITE_P(, NodeImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
+                         [](const auto& chip) {
+                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
+                         });
+
+TEST_P(NodeImage, homes_and_moves_with_the_joints_sensor_on_rs485) {
+  ASSERT_TRUE(ready()) << bench.broken.value_or("not homed") << int{bench.state.fault};
+  const double target = bench.setup.axis.homing.clear_angle + from_deg(20);
+  ASSERT_TRUE(bench.send(Mode::kMove, target));
+  ASSERT_TRUE(bench.read_until([&] { return !bench.state.moving; }, 20));
+  EXPECT_EQ(bench.state.fault, 0);
+  EXPECT_NEAR(bench.plant.q(), target, bench.identity.uncertainty / axis_link::kUncertaintyUnits);
+  EXPECT_EQ(bench.undriven_bytes, 0);
+  EXPECT_FALSE(bench.chip.output('B', 1)) << "the line is free between requests";
+  EXPECT_NEAR(bench.chip.usart2().baud(), 115'200, 0.005 * 115'200);
+  EXPECT_EQ(health().joint_magnet, Magnet::kGood);
+  EXPECT_EQ(health().motor_magnet, Magnet::kGood);
+
+  CortexM& core = bench.chip.core();
+  const double longest =
+      static_cast<double>(core.figures(38).longest) / static_cast<double>(core.clock_hz());
+  EXPECT_LT(longest, kInterruptMax);
+  EXPECT_LT(core.stack_depth(), kStackMax);
+}
+
+TEST_P(NodeImage, a_node_that_is_unplugged_is_a_fault_with_its_name) {
+  ASSERT_TRUE(ready());
+  bench.node_plugged_in = false;
+  ASSERT_TRUE(bench.read_until([&] { return bench.state.fault != 0; }, 1));
+  EXPECT_EQ(bench.state.fault, static_cast<int>(AxisFault::kJointEncoder));
+  EXPECT_EQ(health().joint_magnet, Magnet::kNoReply);
+  bench.node_plugged_in = true;
+  ASSERT_TRUE(bench.run(0.2));
+  EXPECT_EQ(health().joint_magnet, Magnet::kGood);
+}
+
+TEST_P(NodeImage, a_magnet_that_moved_away_shows_in_its_health) {
+  ASSERT_TRUE(ready());
+  bench.plant.set_field(0.4);
+  ASSERT_TRUE(bench.run(0.3));
+  EXPECT_EQ(health().joint_magnet, Magnet::kTooWeak);
+  EXPECT_EQ(bench.state.fault, 0) << "its readings still count";
+  bench.plant.set_field(0);
+  ASSERT_TRUE(bench.read_until([&] { return bench.state.fault != 0; }, 1));
+  EXPECT_EQ(health().joint_magnet, Magnet::kMissing);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/devices/axis/axis_device_setup_model.h"
 #include "sinew/devices/axis/axis_machine.h"
+#include "sinew/devices/encoder/encoder_machine.h"
 
 namespace sinew::emulation {
 
@@ -89,6 +90,7 @@ class EmulatedBoard {
     plant.set_load(0, 0.05);
     chip.i2c1().chip = &motor_sensor;
     chip.i2c2().chip = &joint_sensor;
+    if (setup.axis.encoders.joint_node) connect_node();
     chip.timers().on_pulse = [this](Cycles at, bool high) {
       if (!high) return;
       steps += chip.output('B', 12) ? -1 : 1;
@@ -119,7 +121,9 @@ class EmulatedBoard {
     const AxisInputs inputs = plant.inputs();
     motor_sensor.counts = inputs.motor_counts;
     motor_sensor.magnet = inputs.motor_encoder_ok;
-    if (setup.axis.encoders.joint == JointEncoder::kAs5600) {
+    if (node) {
+      node->advance(now());
+    } else if (setup.axis.encoders.joint == JointEncoder::kAs5600) {
       joint_sensor.counts = static_cast<std::uint16_t>(inputs.joint_counts);
       joint_sensor.magnet = inputs.joint_encoder_ok;
     } else {
@@ -135,9 +139,30 @@ class EmulatedBoard {
   AngleChip motor_sensor;
   AngleChip joint_sensor;
 
+  /// Of a joint sensor that is read over RS-485.
+  sim::As5600Bus node_bus{plant.joint_sensor()};
+  std::optional<sim::EncoderBoard> node;
+  bool node_plugged_in = true;
+  int undriven_bytes = 0;  ///< that left while the transceiver was not driving
+
   std::int64_t steps = 0;  ///< by the step pin, signed by the direction pin
   std::int64_t pulses = 0;
   Cycles last_pulse = 0;
+
+ private:
+  Instant now() const { return Instant{} + from_seconds(chip.seconds()); }
+  /// The node at the other end of USART2, with the transceiver's enable on PB1.
+  void connect_node() {
+    node.emplace(node_bus, Instant{});
+    chip.usart2().on_byte = [this](Cycles, std::uint8_t byte) {
+      if (!chip.output('B', 1)) ++undriven_bytes;
+      if (!node_plugged_in) return;
+      node->receive(std::array{byte}, now());
+      std::array<std::uint8_t, encoder_link::kReplySize> reply{};
+      const std::size_t size = node->take_output(reply);
+      for (std::size_t i = 0; i < size; ++i) chip.usart2().arrive(reply[i]);
+    };
+  }
 };
 
 }  // namespace sinew::emulation

@@ -33,6 +33,7 @@ Stm32::Stm32(Stm32Chip chip, std::span<const std::uint8_t> image)
       spi_(core_),
       i2c1_(core_),
       i2c2_(core_),
+      usart2_(core_, core_.clock_hz() / 2),
       flash_(core_, chip == Stm32Chip::kF103),
       interrupts_(*this),
       dma_(*this),
@@ -50,6 +51,7 @@ Stm32::Stm32(Stm32Chip chip, std::span<const std::uint8_t> image)
   core_.map(0x4001'3000, spi_);
   core_.map(0x4000'5400, i2c1_);
   core_.map(0x4000'5800, i2c2_);
+  core_.map(0x4000'4400, usart2_);
   core_.map(0x4000'3000, watchdog_);
   core_.map(0x4000'7000, power_);
   core_.map(f1 ? 0x4000'6C00 : 0x4000'2800, backup_);
@@ -74,6 +76,7 @@ void Stm32::reset() {
   spi_.reset();
   i2c1_.reset();
   i2c2_.reset();
+  usart2_.reset();
   flash_.reset();
   for (Port& port : ports_) port.word = {}, port.driven = 0;
   for (Plain* plain : {&clocks_, &multiplexer_, &power_}) plain->word = {};
@@ -114,6 +117,17 @@ void Stm32::set_input(char port, unsigned pin, bool high) {
   block.outside ^= 1U << pin;
   interrupts_.edge(number, pin, high);
   core_.look_again();
+}
+
+void Stm32::set_supply_low(bool low) {
+  constexpr std::uint32_t kOutput = 1U << 2, kOn = 1U << 4, kEvent = 1U << 16;
+  constexpr int kLine = 1;
+  const bool was = (power_.word[1] & kOutput) != 0;
+  power_.word[1] = low ? kOutput : 0;
+  const bool rises = low && !was && (power_.word[0] & kOn) != 0;
+  if (!rises || (interrupts_.word[2] & kEvent) == 0) return;
+  interrupts_.word[5] |= kEvent;
+  if ((interrupts_.word[0] & kEvent) != 0) core_.raise(kLine);
 }
 
 bool Stm32::output(char port, unsigned pin) const {

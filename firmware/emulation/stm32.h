@@ -8,6 +8,7 @@
 #include "firmware/emulation/stm32_flash.h"
 #include "firmware/emulation/stm32_serial.h"
 #include "firmware/emulation/stm32_timers.h"
+#include "firmware/emulation/stm32_usart.h"
 
 namespace sinew::emulation {
 
@@ -35,6 +36,9 @@ class Stm32 {
   /// What the program drives a pin to.
   bool output(char port, unsigned pin) const;
 
+  /// The chip's own supply is below the threshold of its voltage detector (PVD), or not.
+  void set_supply_low(bool low);
+
   /// A transfer of the host: chip select low, `setup` later the clocks, chip select high.
   /// @return  what came back; where the program broke, what there was
   std::vector<std::uint8_t> transfer(std::span<const std::uint8_t> mosi, std::uint32_t clock_hz,
@@ -49,6 +53,7 @@ class Stm32 {
   Stm32Timers& timers() { return timers_; }
   Stm32I2c& i2c1() { return i2c1_; }
   Stm32I2c& i2c2() { return i2c2_; }
+  Stm32Usart& usart2() { return usart2_; }
   Stm32Flash& flash() { return flash_; }
   /// Resets by its watchdog.
   int bites() const { return bites_; }
@@ -119,6 +124,7 @@ class Stm32 {
   Stm32Timers timers_;
   Stm32SpiSlave spi_;
   Stm32I2c i2c1_, i2c2_;
+  Stm32Usart usart2_;
   Stm32Flash flash_;
   Plain clocks_, multiplexer_, power_;
   Plain backup_;  ///< survives a reset

@@ -6,10 +6,12 @@
 #include "firmware/stm32/own_image.h"
 #include "firmware/stm32/pins.h"
 #include "firmware/stm32/quadrature_counter.h"
+#include "firmware/stm32/serial_line.h"
 #include "firmware/stm32/setup_flash.h"
 #include "firmware/stm32/spi_slave.h"
 #include "firmware/stm32/steps.h"
 #include "sinew/devices/axis/axis_device_controller.h"
+#include "sinew/devices/axis/axis_device_joint_node.h"
 #include "sinew/devices/axis/axis_device_lamp.h"
 #include "sinew/devices/axis/axis_device_setup.h"
 #include "sinew/devices/axis/axis_device_spi.h"
@@ -23,6 +25,10 @@
 namespace sinew::stm32 {
 namespace {
 
+constexpr std::uint32_t kSupplyEvent = 1U << 16;  // of EXTI
+/// A sag counts as low for longer than the supervision waits until it is a fault (20 ms).
+constexpr int kSupplyLowTicks = 8;
+
 struct Hardware {
   Steps steps;
   SpiSlave spi;
@@ -32,10 +38,13 @@ struct Hardware {
                          {board::kJointClock, chip::kI2cFunction},
                          {{chip::kJointDataPort, chip::kJointDataPin}, chip::kJointDataFunction}};
   QuadratureCounter quadrature;
+  SerialLine node_line;  ///< to the joint's sensor, where that has a node
+  EncoderReader node;
   std::int64_t ticks = 0;  ///< since power came on, by the interrupt of TIM4
   bool tick_due = false;
   bool stop_seen = false;  ///< the stop line was low since the last tick
   bool current = false;    ///< in the windings
+  int supply_low_for = 0;  ///< ticks in which the supply counts as low
 };
 Hardware hardware;
 
@@ -75,36 +84,64 @@ void start_stop_line() {
   enable(Line::kExti15To10, 1);
 }
 
-AxisInputs read_inputs(JointEncoder joint) {
-  AxisInputs inputs;
-  inputs.has_meters = false;
-  if (joint == JointEncoder::kQuadrature) inputs.joint_counts = hardware.quadrature.counts();
-  if (joint == JointEncoder::kAs5600) {
-    const auto reading = read_as5600(hardware.joint_sensor);
-    inputs.joint_encoder_ok = reading && reading->magnet;
-    if (inputs.joint_encoder_ok) inputs.joint_counts = reading->position;
-  }
-  // The motor's last: what is controlled shall be as fresh as can be.
-  const auto reading = read_as5600(hardware.motor_sensor);
-  inputs.motor_encoder_ok = reading && reading->magnet;
-  if (inputs.motor_encoder_ok) inputs.motor_counts = reading->position;
-  inputs.end_stop = !level(board::kEndStop);
-  inputs.driver_fault = !level(board::kDriverFault);
-  inputs.steps = hardware.steps.made();
-  const InterruptsOff off;
-  inputs.stop_line = stop_line() || hardware.stop_seen;
-  hardware.stop_seen = false;
-  return inputs;
-}
-
 Instant now() {
   const InterruptsOff off;
   return Instant{} + hardware.ticks * Steps::kTick;
 }
 
+/// The last tick's request has its reply, and the next one leaves.
+void read_node(AxisInputs& inputs) {
+  std::array<std::uint8_t, 16> bytes{};
+  const std::size_t size = hardware.node_line.take(bytes);
+  hardware.node.receive({bytes.data(), size}, now());
+  read_joint_node(hardware.node, inputs, now());
+  if (const auto request = hardware.node.poll(now())) hardware.node_line.send(*request);
+}
+
+/// The chip's own supply below 2.9 V (PVD, the highest of its thresholds) is an interrupt: the
+/// power stage and the sensors fail soon after.
+void start_supply_watch() {
+  power().cr |= 0b111U << 5 | 1U << 4;
+  chip::exti().rtsr |= kSupplyEvent;
+  chip::exti().imr |= kSupplyEvent;
+  enable(Line::kSupply, 0);
+}
+bool supply_is_low() {
+  return (power().csr & 1U << 2) != 0;
+}
+
+AxisInputs read_inputs(const AxisEncoderSettings& encoders) {
+  AxisInputs inputs;
+  inputs.has_meters = false;
+  if (hardware.supply_low_for > 0 || supply_is_low()) inputs.supply_volts = 0;
+  if (encoders.joint == JointEncoder::kQuadrature) {
+    inputs.joint_counts = hardware.quadrature.counts();
+  } else if (encoders.joint_node) {
+    read_node(inputs);
+  } else if (encoders.joint == JointEncoder::kAs5600) {
+    const auto reading = read_as5600(hardware.joint_sensor);
+    inputs.joint_magnet = reading ? reading->magnet : Magnet::kNoReply;
+    inputs.joint_encoder_ok = is_detected(inputs.joint_magnet);
+    if (inputs.joint_encoder_ok) inputs.joint_counts = reading->position;
+  }
+  // The motor's last: what is controlled shall be as fresh as can be.
+  const auto reading = read_as5600(hardware.motor_sensor);
+  inputs.motor_magnet = reading ? reading->magnet : Magnet::kNoReply;
+  inputs.motor_encoder_ok = is_detected(inputs.motor_magnet);
+  if (inputs.motor_encoder_ok) inputs.motor_counts = reading->position;
+  inputs.end_stop = !level(board::kEndStop);
+  inputs.driver_fault = !level(board::kDriverFault);
+  inputs.steps = hardware.steps.made();
+  const InterruptsOff off;
+  if (hardware.supply_low_for > 0) --hardware.supply_low_for;
+  inputs.stop_line = stop_line() || hardware.stop_seen;
+  hardware.stop_seen = false;
+  return inputs;
+}
+
 void tick(AxisController& controller) {
-  const JointEncoder joint = controller.settings().encoders.joint;
-  const AxisOutputs outputs = controller.tick(read_inputs(joint), now());
+  const AxisInputs inputs = read_inputs(controller.settings().encoders);
+  const AxisOutputs outputs = controller.tick(inputs, now());
   set_level(board::kEnable, !outputs.enabled);
   hardware.current = outputs.enabled;
   // The stop line may have come since the inputs were read.
@@ -133,7 +170,9 @@ void show(const AxisStatus& status, bool set_up) {
   const std::optional<AxisSetup>& setup = store.setup();
   if (setup) controller.emplace(setup->axis);
   if (controller && was_latched()) controller->emergency_stop();
-  if (setup && setup->axis.encoders.joint == JointEncoder::kAs5600) hardware.joint_sensor.start();
+  if (setup && setup->axis.encoders.joint == JointEncoder::kAs5600) {
+    setup->axis.encoders.joint_node ? hardware.node_line.start() : hardware.joint_sensor.start();
+  }
   Axis& axis = controller ? static_cast<Axis&>(*controller) : unset;
   AxisLinkNodeSettings link = axis_link_node_settings(setup, count_start());
   link.image = own_image();
@@ -174,10 +213,22 @@ using namespace sinew::stm32;
 
 extern "C" {
 
+/// Pulses and current end at once: what a motor does while its supply sags is not known.
+void supply_low() {
+  chip::exti().pr = kSupplyEvent;
+  hardware.steps.stop();
+  set_level(board::kEnable, true);
+  hardware.supply_low_for = kSupplyLowTicks;
+}
+
 void timer_4() {
   ++hardware.ticks;
   hardware.steps.on_tick();
   hardware.tick_due = true;
+}
+
+void usart_2() {
+  hardware.node_line.on_interrupt();
 }
 
 void external_interrupt_4() {
@@ -195,6 +246,7 @@ int main() {
   start_watchdog();
   chip::start_clocks();
   start_stop_line();
+  start_supply_watch();
   hardware.motor_sensor.start();
   hardware.quadrature.start();
   hardware.spi.start();

@@ -24,7 +24,10 @@ inline constexpr Place kMosi{'A', 7};
 inline constexpr Place kMotorClock{'B', 6};  ///< I2C1: the sensor on the motor's shaft
 inline constexpr Place kMotorData{'B', 7};
 inline constexpr Place kJointClock{'B',
-                                   10};  ///< I2C2: one on the joint's; its data pin is the chip's
-inline constexpr Place kLed{'C', 13};    ///< low: on
+                                   10};   ///< I2C2: one on the joint's; its data pin is the chip's
+inline constexpr Place kLineOut{'A', 2};  ///< USART2: the node of a sensor on the joint's
+inline constexpr Place kLineIn{'A', 3};
+inline constexpr Place kLineDriver{'B', 1};  ///< high: the transceiver drives the line
+inline constexpr Place kLed{'C', 13};        ///< low: on
 
 }  // namespace sinew::stm32::board

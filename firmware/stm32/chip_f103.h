@@ -6,7 +6,7 @@
 namespace sinew::stm32::chip {
 
 inline constexpr std::uint32_t kClockHz = 72'000'000;    ///< of the core, and of all timers
-inline constexpr std::uint32_t kSlowBusHz = 36'000'000;  ///< APB1: I2C
+inline constexpr std::uint32_t kSlowBusHz = 36'000'000;  ///< APB1: I2C, USART2
 
 inline Timer& tim1() {
   return at<Timer>(0x4001'2C00);
@@ -82,6 +82,7 @@ inline constexpr unsigned kJointDataFunction = 0;
 inline constexpr char kJointDataPort = 'B';
 inline constexpr unsigned kJointDataPin = 11;
 inline constexpr unsigned kSpiFunction = 0;
+inline constexpr unsigned kSerialFunction = 0;
 
 /// The port whose pin `pin` interrupts.
 inline void choose_interrupt(unsigned pin, char port) {
@@ -124,8 +125,8 @@ class SpiDma {
 
 /// Registers that keep their value over a reset, not without power. @param number  0..9
 inline Register& backup(unsigned number) {
-  rcc().apb1enr |= 1U << 27;             // BKP
-  at<Register>(0x4000'7000) |= 1U << 8;  // PWR_CR: DBP
+  rcc().apb1enr |= 1U << 27;  // BKP
+  power().cr |= 1U << 8;      // DBP
   return at<Register>(0x4000'6C04 + 4 * number);
 }
 

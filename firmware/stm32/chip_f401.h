@@ -6,7 +6,7 @@
 namespace sinew::stm32::chip {
 
 inline constexpr std::uint32_t kClockHz = 84'000'000;    ///< of the core, and of all timers
-inline constexpr std::uint32_t kSlowBusHz = 42'000'000;  ///< APB1: I2C
+inline constexpr std::uint32_t kSlowBusHz = 42'000'000;  ///< APB1: I2C, USART2
 
 inline Timer& tim1() {
   return at<Timer>(0x4001'0000);
@@ -84,6 +84,7 @@ inline constexpr unsigned kJointDataFunction = 9;
 inline constexpr char kJointDataPort = 'B';
 inline constexpr unsigned kJointDataPin = 3;
 inline constexpr unsigned kSpiFunction = 5;
+inline constexpr unsigned kSerialFunction = 7;
 
 /// The port whose pin `pin` interrupts.
 inline void choose_interrupt(unsigned pin, char port) {
@@ -128,7 +129,7 @@ class SpiDma {
 
 /// Registers that keep their value over a reset, not without power. @param number  0..9
 inline Register& backup(unsigned number) {
-  at<Register>(0x4000'7000) |= 1U << 8;  // PWR_CR: DBP
+  power().cr |= 1U << 8;  // DBP
   return at<Register>(0x4000'2850 + 4 * number);
 }
 

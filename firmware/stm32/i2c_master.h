@@ -2,7 +2,7 @@
 
 #include "firmware/stm32/board.h"
 #include "firmware/stm32/registers.h"
-#include "sinew/devices/axis/axis_device_i2c.h"
+#include "sinew/devices/encoder/encoder_device_i2c.h"
 
 namespace sinew::stm32 {
 

@@ -18,6 +18,12 @@ struct Spi {
 struct I2c {
   Register cr1, cr2, oar1, oar2, dr, sr1, sr2, ccr, trise;
 };
+struct Usart {
+  Register sr, dr, brr, cr1, cr2, cr3;
+};
+struct Power {
+  Register cr, csr;
+};
 struct ExternalInterrupts {
   Register imr, emr, rtsr, ftsr, swier, pr;
 };
@@ -39,17 +45,29 @@ inline Timer& tim3() {
 inline Timer& tim4() {
   return at<Timer>(0x4000'0800);
 }
+inline Power& power() {
+  return at<Power>(0x4000'7000);
+}
 inline Watchdog& iwdg() {
   return at<Watchdog>(0x4000'3000);
 }
 inline constexpr std::uint32_t kI2c1 = 0x4000'5400;
 inline constexpr std::uint32_t kI2c2 = 0x4000'5800;
+inline Usart& usart2() {
+  return at<Usart>(0x4000'4400);
+}
 inline Spi& spi1() {
   return at<Spi>(0x4001'3000);
 }
 
 /// Lines of the interrupt controller, the same on both.
-enum class Line : std::uint8_t { kExti4 = 10, kTim4 = 30, kExti15To10 = 40 };
+enum class Line : std::uint8_t {
+  kSupply = 1,
+  kExti4 = 10,
+  kTim4 = 30,
+  kUsart2 = 38,
+  kExti15To10 = 40
+};
 
 /// @param priority  0 (first) to 15
 inline void enable(Line line, std::uint8_t priority) {

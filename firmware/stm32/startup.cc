@@ -10,7 +10,9 @@ extern Constructor init_begin, init_end;
 
 void external_interrupt_4();
 void external_interrupts_15_to_10();
+void supply_low();
 void timer_4();
+void usart_2();
 [[noreturn]] int main();
 [[noreturn]] void reset();
 }
@@ -48,8 +50,10 @@ constexpr Vectors make_vectors() {
   for (Vector& vector : vectors.lines) vector = unexpected;
   vectors.core[0] = reset;
   using sinew::stm32::Line;
+  vectors.lines[static_cast<int>(Line::kSupply)] = supply_low;
   vectors.lines[static_cast<int>(Line::kExti4)] = external_interrupt_4;
   vectors.lines[static_cast<int>(Line::kTim4)] = timer_4;
+  vectors.lines[static_cast<int>(Line::kUsart2)] = usart_2;
   vectors.lines[static_cast<int>(Line::kExti15To10)] = external_interrupts_15_to_10;
   return vectors;
 }

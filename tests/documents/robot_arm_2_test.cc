@@ -8,6 +8,7 @@
 #include "sinew/devices/axis_registers/axis_registers_test_cell.h"
 #include "sinew/devices/axis_registers/axis_registers_wire.h"
 #include "sinew/devices/encoder/encoder_wire.h"
+#include "sinew/mcu/encoder_node.h"
 #include "sinew/wire/spi.h"
 #include "support/robots.h"
 
@@ -129,9 +130,15 @@ TEST(RobotArm2Document, a_sensor_has_4096_ticks_and_what_fits_int16_does) {
   EXPECT_EQ(encoder_link::kTurn, 4096);
   const auto ticks = [](double degrees) { return degrees / 360 * encoder_link::kTurn; };
   // On the motor shaft 100 deg/s fits and 200 deg/s^2 does not: saturated, never wrapped.
-  EXPECT_EQ(encoder_link::saturated(std::llround(ticks(17 * 100))), 19342);
+  EXPECT_EQ(std::llround(ticks(17 * 100)), 19342);
   EXPECT_EQ(std::llround(ticks(17 * 200)), 38684);
-  EXPECT_EQ(encoder_link::saturated(38684), 32767);
+  // As the node says it: 2^-20 ticks a ms, and a ms^2.
+  const ShaftFilter filter{
+      .angle = 0,
+      .speed = static_cast<std::int32_t>(std::llround(19342e-3 * 0x1p20)),
+      .acceleration = static_cast<std::int32_t>(std::llround(38684e-6 * 0x1p20))};
+  EXPECT_EQ(shaft_filter_speed(&filter), 19342);
+  EXPECT_EQ(shaft_filter_acceleration(&filter), 32767);
   EXPECT_EQ(std::llround(ticks(100)), 1138);
   EXPECT_EQ(std::llround(ticks(200)), 2276);
 }

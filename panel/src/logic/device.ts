@@ -68,9 +68,12 @@ export interface AxisJson extends Heard {
   verdict?: string;
   failed_frames?: number;
   identity?: Heard & { model_hash: number; boot: number; uncertainty_rad: number };
-  health?: Heard & { supply_v?: number; temperature_c?: number };
+  health?: Heard & { supply_v?: number; temperature_c?: number; motor_magnet?: Magnet; joint_magnet?: Magnet };
   zero_shift_rad?: number;
 }
+
+/** What an AS5600 reports of its magnet. */
+export type Magnet = 'good' | 'too weak' | 'too strong' | 'missing' | 'no reply';
 
 /** One servo of a bus that the host speaks to itself. */
 export interface BusServoJson extends Heard {

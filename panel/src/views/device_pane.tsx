@@ -513,6 +513,13 @@ function Axis({ axis, blank }: { axis: AxisJson; blank: boolean }): JSX.Element 
                 axis.health.temperature_c !== undefined && `${decimals(axis.health.temperature_c, 0)} °C`,
               ].filter(Boolean).join(', ') || t('device.unmeasured'),
             ],
+            axis.health && (axis.health.motor_magnet || axis.health.joint_magnet) && [
+              t('device.magnets'),
+              [
+                axis.health.motor_magnet && t('device.magnet.motor', { magnet: t(`device.magnet.${axis.health.motor_magnet}`) }),
+                axis.health.joint_magnet && t('device.magnet.joint', { magnet: t(`device.magnet.${axis.health.joint_magnet}`) }),
+              ].filter(Boolean).join(', '),
+            ],
             axis.zero_shift_rad !== undefined && [t('device.zero_shift'), degrees(axis.zero_shift_rad, 3)],
             [t('device.failed_frames'), axis.failed_frames ?? 0],
             axis.identity && [t('device.model_hash'), `${axis.identity.model_hash.toString(16).toUpperCase().padStart(8, '0')}, ${t('device.boots', { count: axis.identity.boot })}`],

@@ -355,6 +355,11 @@ TEST(RobotFile, settings_of_every_wire_are_checked) {
             "nowhere");
   EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 6\nhoming_end = \"left\""),
             "device.joint.shoulder.homing_end: must be `lower` or `upper`, not `left`");
+  EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 6\nencoder_by = \"can\""),
+            "device.joint.shoulder.encoder_by: must be `i2c` or `rs485`, not `can`");
+  EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 6\nencoder_by = \"rs485\""),
+            "joint: `encoder_by` of `shoulder` is how its AS5600 is read, and "
+            "[drive.shoulder] does not say joint_encoder = \"as5600\"");
   EXPECT_EQ(
       complaint("robot-arm-2", "\"deg_u32\"  #", "\"deg\"  #"),
       "device.angle_encoding: must be `deg_u32`, `mdeg_i32`, `f32_be` or `f32_le`, not `deg`");

@@ -20,6 +20,7 @@ struct AxisBoard {
   std::uint8_t homing_place = 0;      ///< 1: homes first; 0 of all of them: in the joints' order
   std::int8_t homing_direction = -1;  ///< in which its search goes: -1 towards lower angles
   double step_rate_max = 5000;        ///< microsteps/s that it makes; the first firmware's ceiling
+  bool encoder_node = false;          ///< the joint's AS5600 is read over RS-485, else I2C
 };
 
 /// Of its step rate, what motions may use; the rest is for a board's loop to correct with.

@@ -280,6 +280,26 @@ Outcome put_on_board(const FirmwareRequest& request, const FlashBoard& board, co
   return outcome;
 }
 
+/// The command that writes it; nothing is written here.
+Outcome how_by_hand(const FirmwareRequest& request, const FlashBoard& board) {
+  if (request.port || request.usb || request.probe) {
+    return bad_input(fmt::format(
+        "--port, --usb and --probe: sinew does not write a {}; without them it shows the command",
+        board.what));
+  }
+  const auto wanted = image_to_write(request, board);
+  if (!wanted) return wanted.error();
+  const std::string command = fmt::format("{} {}", board.by_hand, wanted->path);
+  Outcome outcome;
+  outcome.json = {{"board", board.image}, {"written", false}, {"command", command}};
+  if (wanted->image) outcome.json.update(image_json(*wanted->image));
+  outcome.text = fmt::format(
+      "  {} is written with stm8flash, which Debian does not have "
+      "(github.com/vdudouyt/stm8flash):\n\n  {}\n\n  docs/firmware/encoder_node.md has the wires\n",
+      wanted->image ? image_text(*wanted->image) : wanted->path, command);
+  return outcome;
+}
+
 Outcome flash(const FirmwareRequest& request) {
   const FlashBoard* const board = flash_board(request.what);
   if (board == nullptr) {
@@ -290,6 +310,7 @@ Outcome flash(const FirmwareRequest& request) {
     return bad_input("flash: " + (request.what.empty() ? "which board" : request.what) +
                      "? There are " + names);
   }
+  if (!board->by_hand.empty()) return how_by_hand(request, *board);
   const auto way = way_of(request, *board);
   if (!way) return way.error();
   const auto wanted = image_to_write(request, *board);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <utility>
 
+#include "sinew/cli/cells/device_verb.h"
 #include "sinew/cli/cells/in_cell.h"
 #include "sinew/cli/cells/procedure_dialogue.h"
 #include "sinew/cli/cells/robot_verb_options.h"
@@ -138,7 +139,13 @@ Outcome drive(const Job& job, std::unique_ptr<LocalCell> cell) {
     abandon(std::move(cell));
     return outcome;
   }
-  return told(job, runner->status(), trouble.empty() ? dialogue.complaint() : trouble);
+  Outcome outcome = told(job, runner->status(), trouble.empty() ? dialogue.complaint() : trouble);
+  const bool done = runner->status().view.phase == Phase::kDone;
+  runner.reset();
+  if (done && job.request.robot.port && job.request.procedure == "commission") {
+    add_boards(job.request.robot, job.model, cell, outcome);
+  }
+  return outcome;
 }
 
 /// Where the results go, and those of an unfinished time before.

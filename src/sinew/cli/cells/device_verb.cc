@@ -118,6 +118,12 @@ std::expected<std::vector<BoardSaid>, Outcome> boards_of_robot(const RobotOption
   return actions->images(where, model);
 }
 
+void add_boards(const RobotOptions& where, const RobotModel& model,
+                std::unique_ptr<LocalCell>& cell, Outcome& outcome) {
+  const auto boards = boards_of_robot(where, model, cell);
+  if (boards && !boards->empty()) tell_boards(*boards, {}, outcome);
+}
+
 Outcome tell_firmware(const DeviceRequest& request, const RobotModel& model) {
   std::unique_ptr<LocalCell> cell;
   if (kind_of(model.device).image != nullptr) {

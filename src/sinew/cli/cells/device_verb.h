@@ -57,6 +57,11 @@ std::expected<std::vector<BoardSaid>, Outcome> boards_of_robot(const RobotOption
                                                                const RobotModel& model,
                                                                std::unique_ptr<LocalCell>& cell);
 
+/// Adds that and whether an update is due; nothing where this device does not say, or the question
+/// failed.
+void add_boards(const RobotOptions& where, const RobotModel& model,
+                std::unique_ptr<LocalCell>& cell, Outcome& outcome);
+
 /// The action `firmware`: boards_of_robot() for people.
 Outcome tell_firmware(const DeviceRequest& request, const RobotModel& model);
 

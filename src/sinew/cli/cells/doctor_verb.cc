@@ -9,12 +9,17 @@
 #include "sinew/cli/cells/robot_verb_options.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/verb_options.h"
+#include "sinew/devices/encoder/encoder_verb.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/machine_check.h"
 
 namespace sinew::cli {
 namespace {
+
+constexpr double kWatchMax = 600;  // s
+/// For what boards report beside positions, such as their encoders' magnets.
+constexpr Duration kListen = std::chrono::milliseconds(500);
 
 const char* kind_name(io::FoundDevice::Kind kind) {
   constexpr const char* kNames[] = {"serial port", "SPI bus", "GPIO chip"};
@@ -73,15 +78,15 @@ Outcome ask_robot(const DoctorRequest& request) {
   auto cell = LocalCell::start(model, request.robot);
   if (!cell) return refuse(cell.error().complaint);
   if (const auto trouble = (*cell)->enable()) return refuse((*cell)->sentence(*trouble));
+  const io::Clock& clock = (*cell)->station().clock();
+  const Instant end = clock.now() + kListen;
+  while (clock.now() < end && io::interrupts() == 0) (*cell)->turn();
   const std::string answer = healthy_text(model, (*cell)->station().view());
   outcome.text += fmt::format("\n  {} answers on {}: {}\n", model.id, port, answer);
   tell_settings(chosen->settings, outcome);
   const std::string suspicion = (*cell)->station().suspicion();
   // What a board does not say is no trouble of the robot.
-  if (const auto boards = boards_of_robot(request.robot, model, *cell);
-      boards && !boards->empty()) {
-    tell_boards(*boards, {}, outcome);
-  }
+  add_boards(request.robot, model, *cell, outcome);
   outcome.json["answer"] = {{"ok", suspicion.empty()},
                             {"sentence", suspicion.empty() ? answer : suspicion}};
   if (suspicion.empty()) return outcome;
@@ -94,6 +99,16 @@ Outcome ask_robot(const DoctorRequest& request) {
 
 Outcome examine(const DoctorRequest& request) {
   const RobotOptions& robot = request.robot;
+  if (request.encoder) {
+    if (!robot.name.empty() || robot.port) {
+      return bad_input("--encoder: a node by itself; --robot and --port ask a robot");
+    }
+    if (!(request.watch_s >= 0 && request.watch_s <= kWatchMax)) {
+      return bad_input(fmt::format("--watch: 0 to {:.0f} s", kWatchMax));
+    }
+    return examine_encoder({.port = *request.encoder, .watch_s = request.watch_s});
+  }
+  if (request.watch_s != 0) return bad_input("--watch belongs to an encoder node: --encoder PORT");
   if (robot.name.empty() != !robot.port) {
     return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
   }
@@ -108,7 +123,7 @@ Outcome examine(const DoctorRequest& request) {
   add_devices(outcome);
   outcome.text +=
       "\n  sinew doctor --robot ROBOT --port DEVICE asks a robot whether it is there; nothing "
-      "moves.\n";
+      "moves.\n  sinew doctor --encoder DEVICE asks an encoder node.\n";
   return outcome;
 }
 
@@ -120,6 +135,10 @@ void add_doctor(CLI::App& app, ChosenVerb& call) {
   RobotOptions& robot = request.robot;
   verb->add_option("--robot", robot.name, "id or .toml file");
   verb->add_option("--port", robot.port, kPorts + "; asked questions that move nothing");
+  verb->add_option("--encoder", request.encoder,
+                   "serial device of an RS-485 adapter with an encoder node, instead of a robot");
+  verb->add_option("--watch", request.watch_s,
+                   "with --encoder: seconds to turn the shaft by hand, which shows its direction");
   add_variant(*verb, robot);
   add_journal(*verb, robot);
   add_settings(*verb, robot);

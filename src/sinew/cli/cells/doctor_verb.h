@@ -6,7 +6,9 @@
 namespace sinew::cli {
 
 struct DoctorRequest {
-  RobotOptions robot;  ///< robot and port: both or none
+  RobotOptions robot;                  ///< robot and port: both or none
+  std::optional<std::string> encoder;  ///< port of an encoder node instead
+  double watch_s = 0;                  ///< with an encoder: its shaft is turned by hand meanwhile
 };
 
 /// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -10,6 +11,9 @@
 #include "sinew/cli/output/robot_argument.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/truth_text.h"
+#include "sinew/core/units.h"
+#include "sinew/devices/encoder/encoder_machine.h"
+#include "sinew/devices/encoder/encoder_settings.h"
 #include "sinew/devices/kinds.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
@@ -29,6 +33,11 @@ namespace {
 constexpr Duration kAcceptSlice = std::chrono::milliseconds(50);
 /// With --state a process that is killed loses so much motion.
 constexpr Duration kStateSlice = std::chrono::milliseconds(2);
+
+/// In the place of a robot: an encoder node by itself.
+constexpr std::string_view kEncoder = "encoder";
+constexpr double kShaftSpeed = 30;       // deg/s
+constexpr double kShaftSpeedMax = 2880;  // deg/s: 8 turns/s, which the link can report
 
 /// Everything that was asked for and found to make sense.
 struct Job {
@@ -135,6 +144,12 @@ std::expected<void, Outcome> make_machine(Job& job) {
   }
   const bool again = job.state && job.state->before();
   const auto axes = static_cast<std::int64_t>(job.model.joints.size());
+  const Instant boot = again ? Instant{} - sim::kPowerOffTime : Instant{};
+  if (request.robot == kEncoder) {
+    job.machine.byte = std::make_unique<sim::EncoderMachine>(
+        from_deg(request.speed.value_or(kShaftSpeed)), seed.value_or(1), boot);
+    return {};
+  }
   auto machine =
       sinew::make_machine(job.model,
                           {.profile = request.profile,
@@ -142,7 +157,7 @@ std::expected<void, Outcome> make_machine(Job& job) {
                            .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
                            .soft_select = request.nss == "soft",
                            .ready_high = request.ready_high},
-                          again ? Instant{} - sim::kPowerOffTime : Instant{});
+                          boot);
   if (!machine) return std::unexpected(could_not(machine.error()));
   job.machine = std::move(*machine);
   if (again && !sim::power_up_from(*job.state->before(), job.machine.get(), Instant{})) {
@@ -154,12 +169,31 @@ std::expected<void, Outcome> make_machine(Job& job) {
   return {};
 }
 
+/// The robot's model, or an encoder node's shaft as one.
+std::expected<RobotModel, Outcome> model_of(const SimRequest& request) {
+  if (request.robot != kEncoder) {
+    if (request.speed) return std::unexpected(bad_input("--speed: of sinew sim encoder only"));
+    const auto file = find_robot(request.robot);
+    if (!file) return std::unexpected(file.error());
+    auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+    if (!variant) return std::unexpected(bad_input(variant.error()));
+    return std::move(*variant);
+  }
+  if (request.profile || request.wire || request.state) {
+    return std::unexpected(
+        bad_input("--profile, --wire and --state: an encoder node has none of them"));
+  }
+  if (!(std::abs(request.speed.value_or(0)) <= kShaftSpeedMax)) {
+    return std::unexpected(
+        bad_input(fmt::format("--speed: -{0:.0f} to {0:.0f} deg/s", kShaftSpeedMax)));
+  }
+  return encoder_shaft();
+}
+
 std::expected<Job, Outcome> prepare(const SimRequest& request) {
-  const auto file = find_robot(request.robot);
-  if (!file) return std::unexpected(file.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
-  if (!variant) return std::unexpected(bad_input(variant.error()));
-  Job job{request, std::move(*variant), {}, {}, {}, {}};
+  auto model = model_of(request);
+  if (!model) return std::unexpected(model.error());
+  Job job{request, std::move(*model), {}, {}, {}, {}};
   const bool spi = is_on_spi(job.model);
   if (const auto fine = check_spi_options(request, spi); !fine) {
     return std::unexpected(fine.error());
@@ -334,7 +368,9 @@ void add_sim(CLI::App& app, ChosenVerb& call) {
   SimRequest& request = *own;
   CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
                             "sinew sim learm --profile bus --link /tmp/arm");
-  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("ROBOT", request.robot, "id or .toml file; encoder: an encoder node by itself")
+      ->required();
+  verb->add_option("--speed", request.speed, "encoder: speed of its shaft, deg/s (default 30)");
   verb->add_option("--link", request.link, "a name for the port, kept while the simulation runs");
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");

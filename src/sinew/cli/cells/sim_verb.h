@@ -23,6 +23,7 @@ struct SimRequest {
   std::optional<std::string> state;  ///< file of what the machine keeps without power
   std::optional<std::int64_t> seed;
   double time_scale = 1;
+  std::optional<double> speed;  ///< deg/s of an encoder node's shaft
   bool json = false;
 };
 

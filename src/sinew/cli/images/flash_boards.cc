@@ -19,6 +19,15 @@ constexpr std::array kBoards = std::to_array<FlashBoard>({
     // Its boot loader is in the last 8 kB.
     {"bigrobotarm-atmega2560", "BigRobotArm's board (ATmega2560)", kMega2560, kArmBoard, "", "",
      253952, "m2560"},
+    {"encoder-stm8s103",
+     "encoder node (STM8S103F3)",
+     {},
+     {},
+     "",
+     "",
+     8192,
+     "",
+     "stm8flash -c stlinkv2 -p stm8s103f3 -w"},
 });
 
 }  // namespace

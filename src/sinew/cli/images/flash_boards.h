@@ -17,6 +17,8 @@ struct FlashBoard {
   std::string_view usb_flash;  ///< how its DFU describes its sectors; empty: it has no DFU
   std::uint32_t size = 0;      ///< of its flash in front of the setup's place, bytes
   std::string_view part = {};  ///< avrdude's name of an AVR; empty: an STM32
+  /// In front of the file: a command for people, since Debian has no tool that writes it.
+  std::string_view by_hand = {};
 };
 
 std::span<const FlashBoard> flash_boards();

@@ -82,6 +82,11 @@ void state_axes(const Driver& driver, const RobotModel& robot, DeviceStatements&
 
 void state_link(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
   state_axes<AxisLinkDriver>(driver, robot, statements);
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const axis_link::Health health = driver_as<AxisLinkDriver>(driver).axis_health(j);
+    statements.say("motor_magnet", std::string(magnet_word(health.motor_magnet)), j);
+    statements.say("joint_magnet", std::string(magnet_word(health.joint_magnet)), j);
+  }
   statements.say("shows_zero_shift", "yes");
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     const auto shift = driver_as<AxisLinkDriver>(driver).zero_shift(j);
@@ -139,6 +144,17 @@ std::string link_suspicion(const Driver& driver) {
              "DEVICE writes what this robot's file says into all of them";
     }
   }
+  for (std::size_t i = 0; i < boards.positions().size(); ++i) {
+    const axis_link::Health health = boards.axis_health(i);
+    for (const auto& [magnet, shaft] :
+         {std::pair(health.motor_magnet, "motor"), std::pair(health.joint_magnet, "joint")}) {
+      if (magnet == Magnet::kUnknown || magnet == Magnet::kGood) continue;
+      return fmt::format("J{}: magnet on the {}'s shaft: {}{}", i + 1, shaft, magnet_word(magnet),
+                         magnet == Magnet::kNoReply
+                             ? "; check the cable of its AS5600"
+                             : "; it sits centred, 0.5 to 3 mm above the chip");
+    }
+  }
   return silent_boards(boards);
 }
 
@@ -148,7 +164,7 @@ extern const DeviceKind kAxisRegistersKind;
 const DeviceKind kAxisRegistersKind{
     .table = {.protocol = "axis_registers", .segment_ms_max = 1000},
     .read = read_axis_registers,
-    .check = check_step_rates,
+    .check = check_axis_boards,
     .has = has_settings<AxisRegistersDevice>,
     .driver = registers_driver,
     .machine = registers_machine,
@@ -163,7 +179,7 @@ extern const DeviceKind kAxisLinkKind;
 const DeviceKind kAxisLinkKind{
     .table = {.protocol = "axis_link", .segment_ms_max = 100},
     .read = read_axis_link,
-    .check = check_step_rates,
+    .check = check_axis_boards,
     .has = has_settings<AxisLinkDevice>,
     .driver = link_driver,
     .machine = link_machine,

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "sinew/devices/encoder/encoder_wire_magnet.h"
+
 namespace sinew {
 
 /// Why an axis controller does not move; bits 8..15 of DIAG_STATUS carry the number.
@@ -49,6 +51,8 @@ struct AxisStatus {
   AxisFault fault = AxisFault::kNone;
   std::optional<double> supply_volts = std::nullopt;
   std::optional<double> temperature_c = std::nullopt;
+  Magnet motor_magnet = Magnet::kUnknown;
+  Magnet joint_magnet = Magnet::kUnknown;
 };
 
 /// An axis controller as its wire sees it; whatever the wire, these are the words. Nothing here
@@ -79,9 +83,13 @@ class Axis {
 struct AxisInputs {
   std::int64_t steps = 0;          ///< microsteps made when the encoders were read; signed
   std::int32_t joint_counts = 0;   ///< quadrature counter, or AS5600 position 0..4095
-  bool joint_encoder_ok = true;    ///< answers, with its magnet in place
+  bool joint_encoder_ok = true;    ///< replies, with its magnet in place
+  bool joint_fresh = true;         ///< joint_counts is a reading since the last tick
+  double joint_age = 0;            ///< s between that reading and the motor's
   std::uint16_t motor_counts = 0;  ///< AS5600 on the motor shaft, 0..4095
   bool motor_encoder_ok = true;
+  Magnet joint_magnet = Magnet::kUnknown;
+  Magnet motor_magnet = Magnet::kUnknown;
   bool end_stop = false;      ///< closed
   bool driver_fault = false;  ///< the power stage shut itself down
   bool stop_line = false;     ///< a wired stop is asked for: an emergency stop while it lasts

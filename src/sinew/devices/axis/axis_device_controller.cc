@@ -75,8 +75,9 @@ AxisOutputs AxisController::tick(const AxisInputs& inputs, Instant now) {
   } else if (dt > 0) {
     reference_ = {encoders_.q(), 0, 0};
   }
-  outputs_.frozen = frozen();
-  if (frozen()) steps_ = static_cast<double>(outputs_.steps = inputs.steps);
+  // Without current a pulse turns nothing.
+  outputs_.frozen = frozen() || !outputs_.enabled;
+  if (outputs_.frozen) steps_ = static_cast<double>(outputs_.steps = inputs.steps);
   return outputs_;
 }
 
@@ -480,6 +481,8 @@ AxisStatus AxisController::status() const {
     status.supply_volts = inputs_.supply_volts;
     status.temperature_c = inputs_.temperature_c;
   }
+  status.motor_magnet = inputs_.motor_magnet;
+  status.joint_magnet = inputs_.joint_magnet;
   return status;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sinew/core/units.h"
 
@@ -15,6 +16,8 @@ constexpr double kCountSlack = 8;
 /// counts of the motor's encoder show as 0.3 deg/s of the joint at most.
 constexpr double kVelocityPole = 100;
 constexpr double kDisagreementTime = 0.05;  // s
+/// A node's reply that is lost costs three control cycles, and a joint turns slowly.
+constexpr double kNodeGaps = 3;
 
 std::int32_t wrapped_difference(std::int32_t now, std::int32_t before, std::int32_t modulus) {
   const auto difference = static_cast<std::int32_t>(static_cast<std::uint32_t>(now) -
@@ -26,21 +29,27 @@ std::int32_t wrapped_difference(std::int32_t now, std::int32_t before, std::int3
 
 }  // namespace
 
+void EncoderChannel::wait(double dt) {
+  waited_ += dt;
+  gap_ += dt;
+  if (gap_ > gap_max_) lost_ = true;
+}
+
 void EncoderChannel::read(std::int32_t counts, bool ok, double dt) {
   if (modulus_ > 0 && (counts < 0 || counts >= modulus_)) ok = false;
   if (ok && !started_) {
     started_ = good_ = true;
     last_ = counts;
   }
-  gap_ += dt;
-  if (gap_ > gap_max_) lost_ = true;
+  wait(dt);
+  const double since_last = std::exchange(waited_, 0);
   const auto plausible = [&](std::int32_t from, double time) {
     const double step = wrapped_difference(counts, from, modulus_);
     return std::abs(step) <= speed_max_ * time + kCountSlack;
   };
   // The longer the gap, the more a shaft may have turned, and a glitch with it: the first reading
   // after one counts only when a second one bears it out.
-  const bool borne_out = good_ || (has_candidate_ && plausible(candidate_, dt));
+  const bool borne_out = good_ || (has_candidate_ && plausible(candidate_, since_last));
   const bool possible = ok && plausible(last_, gap_);
   good_ = possible && borne_out;
   has_candidate_ = possible;
@@ -65,7 +74,8 @@ AxisEncoders::AxisEncoders(const AxisEncoderSettings& settings)
       EncoderChannel(kAs5600Positions,
                      turns * settings.gear_ratio * std::abs(settings.motor_counts_per_turn), gap);
   joint_ = EncoderChannel(settings.joint == JointEncoder::kAs5600 ? kAs5600Positions : 0,
-                          turns * std::abs(settings.joint_counts_per_turn), gap);
+                          turns * std::abs(settings.joint_counts_per_turn),
+                          settings.joint_node ? kNodeGaps * gap : gap);
 }
 
 double AxisEncoders::motor_angle() const {
@@ -82,7 +92,9 @@ double AxisEncoders::joint_q() const {
 
 void AxisEncoders::read(const AxisInputs& inputs, double dt) {
   motor_.read(inputs.motor_counts, inputs.motor_encoder_ok, dt);
-  if (fitted_) joint_.read(inputs.joint_counts, inputs.joint_encoder_ok, dt);
+  joint_waited_ += dt;
+  if (fitted_ && inputs.joint_fresh) joint_.read(inputs.joint_counts, inputs.joint_encoder_ok, dt);
+  if (fitted_ && !inputs.joint_fresh) joint_.wait(dt);
   if (motor_.lost()) {
     qd_ = 0;
     return;
@@ -100,8 +112,11 @@ void AxisEncoders::read(const AxisInputs& inputs, double dt) {
   filtered_q_ = predicted + (1 - memory * memory) * residual;
   if (dt > 0) qd_ += (1 - memory) * (1 - memory) * residual / dt;
 
-  if (!fitted_ || !joint_.good() || !motor_.good()) return;
-  disagreement_ += (joint_q() - q_ - disagreement_) * (1 - std::exp(-dt / kDisagreementTime));
+  if (!fitted_ || !inputs.joint_fresh) return;
+  const double since_last = std::exchange(joint_waited_, 0);
+  if (!joint_.good() || !motor_.good()) return;
+  const double now = joint_q() + qd_ * inputs.joint_age - q_;
+  disagreement_ += (now - disagreement_) * (1 - std::exp(-since_last / kDisagreementTime));
 }
 
 void AxisEncoders::mark() {

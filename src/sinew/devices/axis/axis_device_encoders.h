@@ -18,7 +18,10 @@ class EncoderChannel {
   EncoderChannel(std::int32_t modulus, double speed_max, double gap_max)
       : modulus_(modulus), speed_max_(speed_max), gap_max_(gap_max) {}
 
+  /// @param dt  s since the last call of read() or wait()
   void read(std::int32_t counts, bool ok, double dt);
+  /// No reading was due.
+  void wait(double dt);
   /// Counts on from here, whatever happened.
   void restart();
   std::int64_t counts() const { return counts_; }  ///< since the first reading
@@ -32,7 +35,8 @@ class EncoderChannel {
   bool started_ = false;
   bool good_ = false;
   bool lost_ = false;
-  double gap_ = 0;  ///< s since the last good reading
+  double gap_ = 0;     ///< s since the last good reading
+  double waited_ = 0;  ///< s since the last reading
   bool has_candidate_ = false;
   std::int32_t candidate_ = 0;  ///< a reading after a gap that waits for a second one
   std::int32_t last_ = 0;
@@ -84,6 +88,7 @@ class AxisEncoders {
   double qd_ = 0;
   double filtered_q_ = 0;
   double disagreement_ = 0;
+  double joint_waited_ = 0;  ///< s since the joint's last reading
 };
 
 }  // namespace sinew

@@ -200,5 +200,39 @@ TEST(AxisEncoders, any_walk_with_missing_and_flipped_readings_is_right_or_lost) 
   });
 }
 
+/// An encoder node replies each 4 ms, and what it says is 4 ms old.
+TEST(AxisEncoders, readings_that_come_late_and_seldom_are_no_disagreement) {
+  AxisEncoderSettings settings;
+  settings.joint_node = true;
+  AxisEncoders encoders(settings);
+  const auto angle = [](double t) { return from_deg(180) * std::max(0.0, t - 0.1); };
+  double worst = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double t = i * kTick;
+    AxisInputs inputs = at(angle(t));
+    inputs.joint_fresh = i % 4 == 0;
+    inputs.joint_age = 4e-3;
+    if (inputs.joint_fresh) inputs.joint_counts = at(angle(t - 4e-3)).joint_counts;
+    encoders.read(inputs, kTick);
+    worst = std::max(worst, std::abs(encoders.disagreement()));
+  }
+  EXPECT_FALSE(encoders.joint_lost());
+  EXPECT_LT(worst, from_deg(0.3));
+}
+
+TEST(AxisEncoders, a_node_that_is_silent_for_60_ms_is_lost) {
+  AxisEncoderSettings settings;
+  settings.joint_node = true;
+  AxisEncoders encoders(settings);
+  AxisInputs inputs = at(0.1);
+  encoders.read(inputs, kTick);
+  inputs.joint_fresh = false;
+  for (int i = 0; i < 58; ++i) encoders.read(inputs, kTick);
+  EXPECT_FALSE(encoders.joint_lost());
+  for (int i = 0; i < 5; ++i) encoders.read(inputs, kTick);
+  EXPECT_TRUE(encoders.joint_lost());
+  EXPECT_FALSE(encoders.motor_lost());
+}
+
 }  // namespace
 }  // namespace sinew

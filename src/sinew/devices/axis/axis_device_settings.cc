@@ -63,6 +63,8 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   settings.upper = from.upper;
   const AxisBoard board = board_of(model.device, joint);
   settings.step_rate_max = board.step_rate_max;
+  settings.encoders.joint_node =
+      board.encoder_node && settings.encoders.joint == JointEncoder::kAs5600;
   const double rate_max = settings.step_rate_max / settings.steps_per_rad();
   settings.limits = {std::min(from.velocity_max, kStepRateShare * rate_max), from.acceleration_max,
                      from.jerk_max};

@@ -21,6 +21,7 @@ enum class EmergencyStopAction : std::uint8_t {
 /// How the two encoders of an axis are read.
 struct AxisEncoderSettings {
   JointEncoder joint = JointEncoder::kQuadrature;
+  bool joint_node = false;              ///< a joint AS5600 is read over RS-485, by its node
   double joint_counts_per_turn = 2400;  ///< of the joint, signed: negative counts backwards
   double motor_counts_per_turn = 4096;  ///< of the motor shaft, signed
   double gear_ratio = 17;

@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;  // 1: without joint_node
 constexpr std::size_t kChecksum = 4;
 
 /// Every field, in the order of the bytes; this is the one list of them.
@@ -33,6 +33,7 @@ constexpr void for_each_field(Setup& setup, Field&& field) {
   field(axis.microsteps);
   field(axis.step_rate_max);
   field(axis.encoders.joint);
+  field(axis.encoders.joint_node);
   field(axis.encoders.joint_counts_per_turn);
   field(axis.encoders.motor_counts_per_turn);
   field(axis.encoders.gear_ratio);
@@ -135,7 +136,8 @@ bool is_sound(const AxisSetup& setup) {
   const bool sensors = encoders.gear_ratio >= 1e-3 && positive(encoders.speed_max) &&
                        std::abs(encoders.joint_counts_per_turn) >= 1 &&
                        std::abs(encoders.motor_counts_per_turn) >= 1 &&
-                       encoders.joint <= JointEncoder::kAs5600;
+                       encoders.joint <= JointEncoder::kAs5600 &&
+                       (!encoders.joint_node || encoders.joint == JointEncoder::kAs5600);
   const bool loop = cascade.rate_max >= axis.limits.velocity && cascade.position_gain >= 0 &&
                     cascade.velocity_gain >= 0 && cascade.integral_gain >= 0 &&
                     cascade.feed_forward >= 0 && cascade.integral_share >= 0 &&

@@ -86,7 +86,7 @@ TEST(AxisSetup, no_bytes_make_one_that_an_axis_cannot_work_with) {
   bytes[100] ^= 1;
   EXPECT_FALSE(decode_setup(bytes));  // the sum
   bytes = good;
-  bytes[0] = 2;
+  ++bytes[0];
   seal(bytes);
   EXPECT_FALSE(decode_setup(bytes));  // the version
   int taken = 0;

@@ -15,6 +15,7 @@ constexpr std::int64_t kClockMax = 50'000'000;  // Hz, what a Raspberry Pi's hea
 constexpr std::int64_t kGpioMax = 53;           // BCM numbers
 
 constexpr Named<std::int8_t> kDirections[] = {{"lower", -1}, {"upper", 1}};
+constexpr Named<bool> kEncoderLines[] = {{"i2c", false}, {"rs485", true}};
 
 void read_board(TableReader& table, AxisBoard& board) {
   table.integer("spi_bus", 0, 9, board.spi_bus);
@@ -23,6 +24,7 @@ void read_board(TableReader& table, AxisBoard& board) {
   table.integer("ready_gpio", 0, kGpioMax, board.ready_gpio);
   table.optional().integer("homing_place", 1, kMaxJoints, board.homing_place);
   table.optional().choice("homing_end", kDirections, board.homing_direction);
+  table.optional().choice("encoder_by", kEncoderLines, board.encoder_node);
 }
 
 /// Two boards on one select line would both answer.
@@ -71,8 +73,16 @@ void read_map(TableReader& reader, AxisRegisterMap& map) {
 
 }  // namespace
 
-void check_step_rates(TableReader& root, const RobotModel& model) {
+void check_axis_boards(TableReader& root, const RobotModel& model) {
   const auto boards = boards_of(model.device);
+  const auto& drives = model.dynamics.drives;
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    const bool fitted = i < drives.size() && drives[i].joint_encoder == JointEncoder::kAs5600;
+    if (!boards[i].encoder_node || fitted) continue;
+    root.complain("joint", "`encoder_by` of `" + model.joints[i].name +
+                               "` is how its AS5600 is read, and [drive." + model.joints[i].name +
+                               "] does not say joint_encoder = \"as5600\"");
+  }
   for (std::size_t i = 0; i < model.dynamics.drives.size(); ++i) {
     const double rate = model.joints[i].velocity_max * model.dynamics.drives[i].steps_per_rad();
     const double most = kStepRateShare * boards[i].step_rate_max;

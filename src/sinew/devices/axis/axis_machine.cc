@@ -8,6 +8,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/devices/axis/axis_device_setup_model.h"
+#include "sinew/devices/axis/axis_machine_node.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
 #include "sinew/devices/axis_registers/axis_registers_settings.h"
 
@@ -71,11 +72,12 @@ class BoardMemory : public SetupMemory {
 class StepperArm::Board : public SpiSlave {
  public:
   Board(const RobotModel& model, std::size_t joint, const Settings& settings, double q,
-        std::uint64_t seed)
+        std::uint64_t seed, Instant boot)
       : axis_(axis_settings(model, joint)),
         plant_(axis_plant_settings(model, joint, axis_), q, seed),
         controller_(axis_),
         notices_select_(settings.wire != AxisWire::kRegistersAsCommitted) {
+    if (axis_.encoders.joint_node) joint_node_.emplace(plant_.joint_sensor(), boot);
     if (settings.wire == AxisWire::kLink) {
       SetupStore(memory_).keep(axis_setup(model, joint));
       start_node();
@@ -103,7 +105,9 @@ class StepperArm::Board : public SpiSlave {
     const bool on = !plant_.browned_out();
     if (on && !on_) boot();
     on_ = on;
-    outputs_ = on ? controller_.tick(plant_.inputs(), now) : AxisOutputs{};
+    AxisInputs inputs = plant_.inputs();
+    if (joint_node_) joint_node_->read(inputs, now);
+    outputs_ = on ? controller_.tick(inputs, now) : AxisOutputs{};
     if (on && node_) node_->advance(now);
     if (node_ && node_->restart_due()) boot();
   }
@@ -168,6 +172,7 @@ class StepperArm::Board : public SpiSlave {
   BoardMemory memory_;
   std::optional<SetupStore> store_;
   AxisPlant plant_;
+  std::optional<JointNode> joint_node_;
   AxisController controller_;
   bool notices_select_;
   AxisOutputs outputs_;
@@ -245,7 +250,7 @@ StepperArm::StepperArm(const RobotModel& model, const Settings& settings, Instan
     const Joint& joint = model.joints[i];
     const double drawn = random.uniform(joint.lower, joint.upper);
     const double q = settings.start.empty() ? drawn : settings.start[i];
-    boards_.push_back(std::make_unique<Board>(model, i, settings, q, random.bits()));
+    boards_.push_back(std::make_unique<Board>(model, i, settings, q, random.bits(), boot));
     bus_.attach(*boards_.back(), settings.select, bus_of(i));
     loaded_at_.push_back(q);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/encoder/encoder_device_chip.h"
 
 namespace sinew::sim {
 namespace {
@@ -189,6 +190,8 @@ AxisInputs AxisPlant::inputs() const {
   inputs.joint_encoder_ok = !settings_.joint_as5600 || joint_sensor_.magnet_ok();
   inputs.motor_counts = motor_sensor_.counts();
   inputs.motor_encoder_ok = motor_sensor_.magnet_ok();
+  inputs.motor_magnet = magnet_of(motor_sensor_.status());
+  if (settings_.joint_as5600) inputs.joint_magnet = magnet_of(joint_sensor_.status());
   inputs.end_stop = switch_level_;
   inputs.driver_fault = temperature_ >= kShutdown;
   inputs.supply_volts = supply_;

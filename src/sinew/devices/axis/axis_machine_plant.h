@@ -5,9 +5,9 @@
 
 #include "sinew/core/split_mix.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/as5600_machine.h"
 #include "sinew/devices/axis/axis_device.h"
 #include "sinew/devices/axis/axis_machine_quadrature.h"
+#include "sinew/devices/encoder/as5600_machine.h"
 #include "sinew/model/dynamics.h"
 #include "sinew/sim/stepper_motor.h"
 
@@ -66,6 +66,8 @@ class AxisPlant {
   /// Lets `dt` (s) pass, in which the steps are made evenly.
   void advance(const AxisOutputs& outputs, double dt);
   AxisInputs inputs() const;
+  /// The sensor on the joint's shaft, where it has one.
+  As5600& joint_sensor() { return joint_sensor_; }
 
   double q() const { return q_; }
   double qd() const { return qd_; }

@@ -60,8 +60,9 @@ TEST(StepperArm, axes_carry_the_joint_encoders_of_the_robots_file) {
 /// A host on the axis link that knows just enough to talk: one frame to each axis every 10 ms.
 class Cell {
  public:
-  explicit Cell(const JointVector& start = near_home(), std::uint64_t seed = 1)
-      : arm_(model(), {AxisWire::kLink, SelectKind::kHard, seed, start}, Instant{}) {
+  explicit Cell(const JointVector& start = near_home(), std::uint64_t seed = 1,
+                const RobotModel& robot = model())
+      : arm_(robot, {AxisWire::kLink, SelectKind::kHard, seed, start}, Instant{}) {
     run(0.3);
     for (std::size_t i = 0; i < kAxes; ++i) greet(i);
   }
@@ -184,6 +185,39 @@ TEST(StepperArm, homed_and_moved_the_truth_is_within_the_play_of_the_command) {
       EXPECT_FALSE(cell.truth(i).lost_steps) << "joint " << i;
     }
   }
+}
+
+/// robot-arm-2 with an encoder node at each joint that has an AS5600.
+RobotModel with_nodes() {
+  RobotModel robot = model();
+  AxisBoards& boards = *robot.device.settings->own_boards();
+  for (std::size_t i = 3; i < kAxes; ++i) boards[i].encoder_node = true;
+  return robot;
+}
+
+TEST(StepperArm, joint_sensors_on_encoder_nodes_serve_as_those_on_i2c_do) {
+  const RobotModel robot = with_nodes();
+  Cell cell(near_home(), 1, robot);
+  ASSERT_TRUE(cell.home());
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    cell.send(i, Mode::kMove, cell.lower(i) + from_deg(15));
+  }
+  ASSERT_TRUE(cell.settle(30));
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    EXPECT_NEAR(cell.truth(i).q, cell.lower(i) + from_deg(15), kPlay) << "joint " << i;
+    EXPECT_EQ(cell.status(i).fault, AxisFault::kNone) << "joint " << i;
+    EXPECT_EQ(cell.status(i).motor_magnet, Magnet::kGood) << "joint " << i;
+    EXPECT_EQ(cell.status(i).joint_magnet, i < 3 ? Magnet::kUnknown : Magnet::kGood);
+  }
+  // Its encoder comes off the joint: the joint goes on, and what it says does not.
+  cell.arm_.disturb({Disturbance::Kind::kCoupling, 4, 0});
+  cell.send(4, Mode::kMove, cell.lower(4) + from_deg(25));
+  cell.settle(30);
+  EXPECT_EQ(cell.status(4).fault, AxisFault::kEncodersDisagree);
+  cell.arm_.disturb({Disturbance::Kind::kMagnet, 5, 0});
+  cell.run(0.3);
+  EXPECT_EQ(cell.status(5).fault, AxisFault::kJointEncoder);
+  EXPECT_EQ(cell.status(5).joint_magnet, Magnet::kMissing);
 }
 
 TEST(StepperArm, homing_finds_the_same_place_again) {

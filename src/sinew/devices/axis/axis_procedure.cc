@@ -6,6 +6,27 @@
 namespace sinew::program {
 namespace {
 
+/// Of each joint, on both of its shafts as far as there are sensors.
+void list_magnets(StepList& list, const RobotModel& robot, const DeviceFact& fact) {
+  if (!robot.device.settings.is<AxisLinkDevice>()) return;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    list.add("magnet." + robot.joints[j].name, "The encoder magnets of " + robot.joints[j].name,
+             CheckStep{[fact, j](const Procedure&) -> std::optional<Verdict> {
+               const auto motor = fact ? fact("motor_magnet", j) : std::nullopt;
+               const auto joint = fact ? fact("joint_magnet", j) : std::nullopt;
+               if (!motor || !joint) return Verdict{true, "not reported here"};
+               if (*motor == "unknown" && *joint == "unknown") return std::nullopt;
+               const auto fine = [](const std::string& word) {
+                 return word == "good" || word == "unknown";
+               };
+               std::string words = "motor: " + *motor;
+               if (*joint != "unknown") words += ", joint: " + *joint;
+               return Verdict{fine(*motor) && fine(*joint), words};
+             }},
+             "a magnet sits centred, 0.5 to 3 mm above its chip; no reply: the cable");
+  }
+}
+
 void list_boards(StepList& list, const RobotModel& robot, const Homing& homing,
                  const DeviceFact& fact) {
   list.add("supply",
@@ -21,6 +42,7 @@ void list_boards(StepList& list, const RobotModel& robot, const Homing& homing,
              }},
              "its cable, its chip select, its supply");
   }
+  list_magnets(list, robot, fact);
   ProcedurePlan found = homing_steps(robot, homing, fact);
   for (ProcedureStep& step : found.steps) {
     if (step.id == "again") step.optional = false;

@@ -321,6 +321,8 @@ Health AxisLinkNode::health() const {
   if (status.temperature_c) {
     health.temperature_c01 = saturated<std::int16_t>(*status.temperature_c * 1e2);
   }
+  health.motor_magnet = status.motor_magnet;
+  health.joint_magnet = status.joint_magnet;
   return health;
 }
 

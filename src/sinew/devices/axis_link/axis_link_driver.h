@@ -126,6 +126,8 @@ class AxisLinkDriver : public SpiDriver {
   std::optional<double> zero_shift(std::size_t joint) const {
     return channels_[joint].zero_shift();
   }
+  /// As the axis last reported it; not measured where it never did.
+  axis_link::Health axis_health(std::size_t joint) const { return channels_[joint].health(); }
   /// From one frame of an axis to its next, as it was last.
   Duration round_time() const { return round_; }
 
@@ -192,6 +194,7 @@ class AxisLinkDriver : public SpiDriver {
   Duration round_{};
   Duration ahead_{};  ///< from now to a setpoint: the rounds, evened out
   Instant health_due_;
+  std::size_t healths_asked_ = 0;  ///< up to one each axis: those are asked for at once
   std::size_t health_axis_ = 0;
   std::uint64_t requests_ = 0;
 

@@ -13,6 +13,9 @@ using Kind = DriverEvent::Kind;
 
 namespace {
 
+/// Until each axis was asked once, so that a weak magnet shows at the start.
+constexpr Duration kFirstHealthPeriod = std::chrono::milliseconds(20);
+
 /// Around 65536, so that it holds for 16 s of frames.
 bool is_behind(std::uint16_t sequence, std::uint16_t other) {
   const auto ahead = static_cast<std::uint16_t>(other - sequence);
@@ -99,7 +102,9 @@ void AxisLinkDriver::step_idle(Instant now) {
     tell(Kind::kFailed, *fault_);
   }
   if (now < health_due_) return;
-  health_due_ = now + timing_.health_period;
+  const bool first_round = healths_asked_ < channels_.size();
+  if (first_round) ++healths_asked_;
+  health_due_ = now + (first_round ? kFirstHealthPeriod : timing_.health_period);
   health_axis_ = (health_axis_ + 1) % channels_.size();
   channels_[health_axis_].ask_health();
 }

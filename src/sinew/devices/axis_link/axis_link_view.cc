@@ -44,7 +44,19 @@ FactsJson axis_link_view(const FactsView& view, const DeviceFacts& all) {
       const Health& what = axis.health->what;
       if (what.supply_mv) health["supply_v"] = *what.supply_mv / 1000.0;
       if (what.temperature_c01) health["temperature_c"] = *what.temperature_c01 / 100.0;
+      if (what.motor_magnet != Magnet::kUnknown) {
+        health["motor_magnet"] = magnet_word(what.motor_magnet);
+      }
+      if (what.joint_magnet != Magnet::kUnknown) {
+        health["joint_magnet"] = magnet_word(what.joint_magnet);
+      }
       one["health"] = std::move(health);
+      const auto doubtful = [](Magnet magnet) {
+        return magnet != Magnet::kUnknown && magnet != Magnet::kGood;
+      };
+      if (doubtful(what.motor_magnet) || doubtful(what.joint_magnet)) {
+        FactsView::warn(json, "magnet", view.joint(i));
+      }
     }
     if (axis.zero_shift) one["zero_shift_rad"] = *axis.zero_shift;
     judge_axis(view, json, one, axis.up, i);

@@ -115,6 +115,8 @@ Kind put_body(Frame& frame, const Identity& identity) {
 Kind put_body(Frame& frame, const Health& health) {
   put<2>(frame, 4, health.supply_mv.value_or(kNoSupply));
   put<2>(frame, 6, std::bit_cast<std::uint16_t>(health.temperature_c01.value_or(kNoTemperature)));
+  frame[8] = static_cast<std::uint8_t>(static_cast<unsigned>(health.motor_magnet) |
+                                       static_cast<unsigned>(health.joint_magnet) << 4);
   put<2>(frame, 10, kIsHealth);
   return Kind::kMore;
 }
@@ -132,7 +134,13 @@ Health health_of(std::span<const std::uint8_t, kFrameSize> bytes) {
   const auto temperature = std::bit_cast<std::int16_t>(get16(bytes, 6));
   if (supply != kNoSupply) health.supply_mv = supply;
   if (temperature != kNoTemperature) health.temperature_c01 = temperature;
+  health.motor_magnet = static_cast<Magnet>(bytes[8] & 0xF);
+  health.joint_magnet = static_cast<Magnet>(bytes[8] >> 4);
   return health;
+}
+
+bool is_magnet(int number) {
+  return number <= static_cast<int>(kMagnetLast);
 }
 
 /// Nearest whole number; nothing outside [lower, upper] or for NaN.
@@ -215,7 +223,8 @@ std::expected<Reply, Reject> decode_reply(std::span<const std::uint8_t, kFrameSi
       const std::uint16_t which = get16(bytes, 10);
       if (which == kIsSetupWord) {
         reply.body = SetupWord{get<4>(bytes, 4), get16(bytes, 8)};
-      } else if (which == kIsHealth && get16(bytes, 8) == 0) {
+      } else if (which == kIsHealth && bytes[9] == 0 && is_magnet(bytes[8] & 0xF) &&
+                 is_magnet(bytes[8] >> 4)) {
         reply.body = health_of(bytes);
       } else {
         return std::unexpected(Reject::kContent);

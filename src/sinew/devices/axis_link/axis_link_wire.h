@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "sinew/core/instant.h"
+#include "sinew/devices/encoder/encoder_wire_magnet.h"
 
 /// Sinew's own link to an axis controller: one frame of 16 bytes each way, at the same time. All
 /// integers are little endian, the last four bytes are the CRC-32C of the twelve before. The page
@@ -101,11 +102,13 @@ struct Identity {
 struct Health {
   std::optional<std::uint16_t> supply_mv;       ///< FFFF on the wire: not measured
   std::optional<std::int16_t> temperature_c01;  ///< 0.01 deg C; 8000 on the wire: not measured
+  Magnet motor_magnet = Magnet::kUnknown;
+  Magnet joint_magnet = Magnet::kUnknown;
   friend bool operator==(const Health&, const Health&) = default;
 };
 
 /// What a board keeps about its axis, as its device reads and writes it (axis_device_setup.h).
-inline constexpr std::size_t kSetupSize = 380;
+inline constexpr std::size_t kSetupSize = 384;
 inline constexpr std::size_t kSetupWords = kSetupSize / 4;
 using SetupBytes = std::array<std::uint8_t, kSetupSize>;
 

@@ -176,6 +176,9 @@ Reply random_reply(test::Random& random) {
       if (random.chance(0.8)) {
         health.temperature_c01 = static_cast<std::int16_t>(random.integer(-32767, 32767));
       }
+      const auto magnet = [&] { return static_cast<Magnet>(random.integer(0, 5)); };
+      health.motor_magnet = magnet();
+      health.joint_magnet = magnet();
       reply.body = health;
     }
   }

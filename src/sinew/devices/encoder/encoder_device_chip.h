@@ -3,20 +3,22 @@
 #include <cstdint>
 #include <optional>
 
-#include "sinew/devices/axis/axis_device_i2c.h"
+#include "sinew/devices/encoder/encoder_device_i2c.h"
+#include "sinew/devices/encoder/encoder_wire_magnet.h"
 
 namespace sinew {
 
-/// What an AS5600 says at one moment.
+/// What an AS5600 reports at one moment.
 struct As5600Reading {
-  std::uint16_t position = 0;  ///< 0..4095
-  bool magnet = false;         ///< without one the position is noise
-  bool too_weak = false;
-  bool too_strong = false;
+  std::uint16_t position = 0;  ///< 0..4095; noise where no magnet is detected
+  Magnet magnet = Magnet::kMissing;
 };
 
 /// Status and angle of the chip, in one reading that belongs together; nothing where it did not
-/// answer. @rt
+/// acknowledge. @rt
 std::optional<As5600Reading> read_as5600(I2cBus& bus);
+
+/// Of the chip's STATUS register.
+Magnet magnet_of(std::uint8_t chip_status);
 
 }  // namespace sinew

@@ -7,15 +7,6 @@
 #include "sinew/core/error_code.h"
 
 namespace sinew::encoder_link {
-namespace {
-
-bool is_register(std::uint8_t byte) {
-  return byte >= static_cast<std::uint8_t>(Register::kPosition) &&
-         byte <= static_cast<std::uint8_t>(Register::kStatus);
-}
-
-}  // namespace
-
 RequestBytes encode(const Request& request) {
   return {kStart, static_cast<std::uint8_t>(request.name), kEnd};
 }
@@ -24,18 +15,6 @@ ReplyBytes encode(const Reply& reply) {
   return {kStart, static_cast<std::uint8_t>(reply.name),
           static_cast<std::uint8_t>(reply.value & 0xFF),
           static_cast<std::uint8_t>(reply.value >> 8), kEnd};
-}
-
-std::int16_t saturated(std::int64_t value) {
-  return static_cast<std::int16_t>(std::clamp<std::int64_t>(value, -32767, 32767));
-}
-
-std::optional<Request> RequestDecoder::push(std::uint8_t byte) {
-  held_ = (held_ << 8 | byte) & 0xFF'FFFF;
-  const auto middle = static_cast<std::uint8_t>(held_ >> 8 & 0xFF);
-  if (held_ >> 16 != kStart || byte != kEnd || !is_register(middle)) return std::nullopt;
-  held_ = 0;
-  return Request{static_cast<Register>(middle)};
 }
 
 std::optional<std::expected<Reply, ReplyFault>> ReplyDecoder::push(std::uint8_t byte) {

@@ -57,21 +57,6 @@ using ReplyBytes = std::array<std::uint8_t, kReplySize>;
 RequestBytes encode(const Request& request);
 ReplyBytes encode(const Reply& reply);
 
-/// The int16 that says `value`, held at +-32767 where it does not fit.
-std::int16_t saturated(std::int64_t value);
-
-/// The node's side: finds requests in whatever arrives. A request is the last three bytes on the
-/// line, so nothing that was lost or added before it can hide it.
-class RequestDecoder {
- public:
-  std::optional<Request> push(std::uint8_t byte);
-  /// The line was quiet for longer than a byte: what came before belongs to nothing.
-  void reset() { held_ = 0; }
-
- private:
-  std::uint32_t held_ = 0;  ///< the last three bytes, newest lowest
-};
-
 /// Why an answer is none.
 enum class ReplyFault : std::uint8_t {
   kWrongStart,

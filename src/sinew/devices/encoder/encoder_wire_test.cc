@@ -6,6 +6,7 @@
 #include <map>
 
 #include "sinew/core/error_code.h"
+#include "sinew/mcu/encoder_node.h"
 #include "support/allocation_guard.h"
 #include "support/golden.h"
 #include "support/property.h"
@@ -32,22 +33,44 @@ std::vector<Result> read_all(Register asked, std::span<const std::uint8_t> bytes
   return results;
 }
 
+/// A node that has all three values.
+EncoderNode settled_node() {
+  EncoderNode node;
+  encoder_node_start(&node);
+  constexpr std::array<std::uint8_t, 3> kChip{0x20, 0x05, 0xAA};
+  for (int i = 0; i < 200; ++i) encoder_node_sample(&node, kChip.data(), 1);
+  return node;
+}
+
+/// What the node replies to the last byte.
+std::optional<ReplyBytes> answer_of(EncoderNode& node, std::span<const std::uint8_t> bytes) {
+  std::optional<ReplyBytes> last;
+  for (const std::uint8_t byte : bytes) {
+    ReplyBytes reply{};
+    const bool answered = encoder_node_receive(&node, byte, reply.data());
+    last = answered ? std::optional(reply) : std::nullopt;
+  }
+  return last;
+}
+
 TEST(EncoderLink, golden_requests_are_read_and_written) {
   int requests = 0;
   for (const test::Golden& golden : test::read_goldens("encoder_link.txt")) {
     if (!golden.from_host()) continue;
     const auto bytes = test::from_hex(golden.bytes);
-    RequestDecoder decoder;
-    std::optional<Request> last;
-    for (const std::uint8_t byte : bytes) last = decoder.push(byte);
+    EncoderNode node = settled_node();
+    const auto reply = answer_of(node, bytes);
     ++requests;
     if (golden.meaning == "bad") {
-      EXPECT_FALSE(last) << golden.where;
+      EXPECT_FALSE(reply) << golden.where;
       continue;
     }
-    const Request expected{kNames.at(golden.meaning)};
-    EXPECT_EQ(last, expected) << golden.where;
-    const RequestBytes spelled = encode(expected);
+    const Register expected = kNames.at(golden.meaning);
+    ASSERT_TRUE(reply) << golden.where;
+    const auto results = read_all(expected, *reply);
+    ASSERT_TRUE(results.size() == 1 && results[0]) << golden.where;
+    EXPECT_TRUE(expected != Register::kPosition || results[0]->value == 0x5AA);
+    const RequestBytes spelled = encode(Request{expected});
     EXPECT_EQ(bytes, std::vector<std::uint8_t>(spelled.begin(), spelled.end())) << golden.where;
   }
   EXPECT_EQ(requests, 8);
@@ -95,34 +118,27 @@ TEST(EncoderLink, every_reply_comes_back) {
 }
 
 TEST(EncoderLink, request_is_found_behind_any_rubbish) {
-  test::for_random_cases(5'000, [](test::Random& random) {
-    RequestDecoder decoder;
+  EncoderNode node = settled_node();
+  test::for_random_cases(5'000, [&](test::Random& random) {
     for (std::int64_t i = random.integer(0, 12); i > 0; --i) {
       // Bytes that look like parts of requests more often than not.
       constexpr std::array<std::uint8_t, 5> kLikely{0xAA, 0x55, 1, 2, 9};
-      decoder.push(kLikely[static_cast<std::size_t>(random.integer(0, 4))]);
+      answer_of(node, std::array{kLikely[static_cast<std::size_t>(random.integer(0, 4))]});
     }
     const Request request{static_cast<Register>(random.integer(1, 4))};
-    std::optional<Request> last;
-    for (const std::uint8_t byte : encode(request)) last = decoder.push(byte);
-    EXPECT_EQ(last, request);
+    const auto reply = answer_of(node, encode(request));
+    ASSERT_TRUE(reply);
+    EXPECT_EQ((*reply)[1], static_cast<std::uint8_t>(request.name));
   });
 }
 
 TEST(EncoderLink, half_a_request_before_a_pause_is_forgotten) {
-  RequestDecoder decoder;
-  decoder.push(0xAA);
-  decoder.push(0x01);
-  decoder.reset();
-  EXPECT_FALSE(decoder.push(0x55));
-}
-
-TEST(EncoderLink, what_does_not_fit_is_held_at_the_end_of_the_range) {
-  EXPECT_EQ(saturated(19342), 19342);
-  EXPECT_EQ(saturated(38684), 32767);
-  EXPECT_EQ(saturated(-38684), -32767);
-  EXPECT_EQ(saturated(-32768), -32767);
-  EXPECT_EQ(saturated(std::int64_t{1} << 40), 32767);
+  EncoderNode node = settled_node();
+  constexpr std::array<std::uint8_t, 3> kChip{0x20, 0, 0};
+  EXPECT_FALSE(answer_of(node, std::array<std::uint8_t, 2>{0xAA, 1}));
+  for (int i = 0; i < 4; ++i) encoder_node_sample(&node, kChip.data(), 1);
+  EXPECT_FALSE(answer_of(node, std::array<std::uint8_t, 1>{0x55}));
+  EXPECT_TRUE(answer_of(node, std::array<std::uint8_t, 3>{0xAA, 1, 0x55}));
 }
 
 TEST(EncoderLinkUnwrap, counts_turns_both_ways_up_to_half_a_turn_a_reading) {
@@ -262,11 +278,10 @@ TEST_F(EncoderConversation, lost_or_added_byte_is_never_read_as_a_position) {
 TEST(EncoderLink, never_allocates) {
   Conversation link{Conversation::Timing{}};
   Unwrap unwrap(1e5);
-  RequestDecoder decoder;
   const test::AllocationCounter allocations;
   for (int i = 0; i < 100; ++i) {
     const Instant now{milliseconds(20 * i)};
-    for (const std::uint8_t byte : link.ask(Register::kPosition, now)) decoder.push(byte);
+    link.ask(Register::kPosition, now);
     for (const std::uint8_t byte : encode(Reply{Register::kPosition, 5})) link.receive(byte, now);
     unwrap.update(5, now);
   }

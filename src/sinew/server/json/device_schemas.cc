@@ -51,8 +51,10 @@ void put_axes(Json& all) {
                                         {"model_hash", whole()},
                                         {"boot", whole()},
                                         {"uncertainty_rad", number()}})},
-                   {"health", object({{"age_s", number()}},
-                                     {{"supply_v", number()}, {"temperature_c", number()}})},
+                   {"health", object({{"age_s", number()}}, {{"supply_v", number()},
+                                                             {"temperature_c", number()},
+                                                             {"motor_magnet", text()},
+                                                             {"joint_magnet", text()}})},
                    {"zero_shift_rad", number()},
                    {"registers", list(ref("AxisRegister"))}}));
 }

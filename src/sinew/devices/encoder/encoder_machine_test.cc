@@ -1,4 +1,4 @@
-#include "sinew/devices/encoder/encoder_device.h"
+#include "sinew/devices/encoder/encoder_machine.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/as5600_machine.h"
+#include "sinew/devices/encoder/as5600_machine.h"
+#include "sinew/devices/encoder/encoder_device_reader.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 
@@ -28,10 +29,7 @@ constexpr double kTick = 2 * kPi / 4096;  // rad
 class Cell {
  public:
   explicit Cell(double baud = 9600, double angle = 1.0)
-      : byte_time_(from_seconds(10 / baud)),
-        chip_(angle, 11),
-        bus_(chip_),
-        node_(bus_, EncoderNode::Settings{}, Instant{}) {
+      : byte_time_(from_seconds(10 / baud)), chip_(angle, 11), bus_(chip_), node_(bus_, Instant{}) {
     motion_ = [angle](double) { return angle; };
   }
 
@@ -70,7 +68,7 @@ class Cell {
   Instant now_{};
   sim::As5600 chip_;
   sim::As5600Bus bus_;
-  EncoderNode node_;
+  sim::EncoderBoard node_;
   encoder_link::Conversation link_{{}};
   std::function<double(double)> motion_;  ///< rad of s
 };
@@ -126,18 +124,19 @@ TEST(EncoderNode, what_does_not_fit_16_bits_is_held_and_never_wraps) {
 
 /// Amplitude of a register's answer to a sine of 1, in the register's own unit.
 double gain_at(double hertz, bool acceleration) {
-  ShaftObserver observer;
+  ShaftFilter filter;
   const double w = 2 * kPi * hertz;
   const double ticks = 400;
-  observer.restart(2048);
+  shaft_filter_restart(&filter, 2048);
   std::complex<double> sum = 0;
   const int periods = 20;
   const int samples = static_cast<int>(std::lround(periods * 1000 / hertz));
   for (int i = 0; i < 2 * samples; ++i) {
     const double t = i * 1e-3;
-    observer.update(static_cast<std::uint16_t>(std::lround(2048 + ticks * std::sin(w * t))));
-    const double value = acceleration ? static_cast<double>(observer.ticks_per_sample2_q20()) * 1e6
-                                      : static_cast<double>(observer.ticks_per_sample_q20()) * 1e3;
+    shaft_filter_update(&filter,
+                        static_cast<std::uint16_t>(std::lround(2048 + ticks * std::sin(w * t))));
+    const double value = acceleration ? static_cast<double>(filter.acceleration) * 1e6
+                                      : static_cast<double>(filter.speed) * 1e3;
     if (i >= samples) sum += value * 0x1p-20 * std::polar(1.0, -w * t);
   }
   return 2 * std::abs(sum) / samples / (ticks * w * (acceleration ? w : 1));
@@ -161,16 +160,16 @@ TEST(EncoderNode, bandwidth_is_what_the_documentation_says) {
 TEST(EncoderNode, noise_at_rest_and_in_slow_motion_is_what_the_documentation_says) {
   for (const double ticks_per_second : {0.0, 37.0}) {
     sim::As5600 chip(0, 5);
-    ShaftObserver observer;
-    observer.restart(chip.counts());
+    ShaftFilter filter;
+    shaft_filter_restart(&filter, chip.counts());
     double velocity = 0, acceleration = 0;
     constexpr int kSamples = 60'000;
     for (int i = 0; i < kSamples; ++i) {
       chip.turn_to((100.25 + ticks_per_second * i * 1e-3) * kTick, 1e-3);
-      observer.update(chip.counts());
+      shaft_filter_update(&filter, chip.counts());
       if (i < 1000) continue;
-      const double v = static_cast<double>(observer.ticks_per_sample_q20()) * 1e3 * 0x1p-20;
-      const double a = static_cast<double>(observer.ticks_per_sample2_q20()) * 1e6 * 0x1p-20;
+      const double v = static_cast<double>(filter.speed) * 1e3 * 0x1p-20;
+      const double a = static_cast<double>(filter.acceleration) * 1e6 * 0x1p-20;
       velocity += std::pow(v - ticks_per_second, 2);
       acceleration += a * a;
     }
@@ -320,7 +319,7 @@ TEST(EncoderNode, any_rubbish_on_the_line_leaves_it_answering) {
 TEST(EncoderNode, never_allocates) {
   sim::As5600 chip(1, 1);
   sim::As5600Bus bus(chip);
-  EncoderNode node(bus, EncoderNode::Settings{}, Instant{});
+  sim::EncoderBoard node(bus, Instant{});
   std::array<std::uint8_t, 8> out{};
   const test::AllocationCounter allocations;
   for (int i = 0; i < 1000; ++i) {
@@ -330,6 +329,44 @@ TEST(EncoderNode, never_allocates) {
     node.take_output(out);
   }
   EXPECT_EQ(allocations.count(), 0U);
+}
+
+/// What the machine replies to a request that arrives at `now`.
+std::vector<std::uint8_t> replies(sim::EncoderMachine& machine, Register name, Instant now) {
+  machine.receive(encoder_link::encode(encoder_link::Request{name}), now);
+  std::array<std::uint8_t, 16> out{};
+  const std::size_t size = machine.take_output(out);
+  return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+TEST(EncoderMachine, turns_at_its_speed_and_loses_magnet_and_supply) {
+  using sim::Disturbance;
+  using Kind = Disturbance::Kind;
+  sim::EncoderMachine machine(from_deg(90), 7, Instant{});
+  const double first = machine.truth().joints[0].q;
+  const Instant second = Instant{std::chrono::seconds(1)};
+  const auto position = replies(machine, Register::kPosition, second);
+  ASSERT_EQ(position.size(), 5U);
+  const double turned = std::remainder(machine.truth().joints[0].q - first, 2 * kPi);
+  EXPECT_NEAR(to_deg(turned), 90, 0.01);
+  const int ticks = position[2] | position[3] << 8;
+  EXPECT_NEAR(std::remainder(ticks * kTick - machine.truth().joints[0].q, 2 * kPi), 0, 3 * kTick);
+  const auto speed = replies(machine, Register::kVelocity, second);
+  ASSERT_EQ(speed.size(), 5U);
+  EXPECT_NEAR(speed[2] | speed[3] << 8, 1024, 30);
+
+  machine.disturb({.kind = Kind::kMagnet, .joint = 0, .value = 0});
+  machine.advance(second + milliseconds(20));
+  EXPECT_TRUE(replies(machine, Register::kPosition, second + milliseconds(20)).empty());
+  EXPECT_FALSE(replies(machine, Register::kStatus, second + milliseconds(20)).empty());
+  machine.disturb({.kind = Kind::kSupply, .value = 2});
+  EXPECT_TRUE(replies(machine, Register::kStatus, second + milliseconds(40)).empty());
+  machine.disturb({.kind = Kind::kSupply, .value = 5});
+  machine.disturb({.kind = Kind::kMagnet, .joint = 0, .value = 1});
+  machine.advance(second + milliseconds(400));
+  const auto status = replies(machine, Register::kStatus, second + milliseconds(400));
+  ASSERT_EQ(status.size(), 5U);
+  EXPECT_NE(status[2] & bits::kRestarted, 0) << "turns may be missing";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "sinew/devices/axis/as5600_machine.h"
+#include "sinew/devices/encoder/as5600_machine.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,17 +44,20 @@ bool As5600::has_register(std::uint8_t address) {
          (address >= 0x1A && address <= 0x1C) || address == 0xFF;
 }
 
+std::uint8_t As5600::status() const {
+  std::uint8_t status = field_ >= kUndetected ? kMagnetDetected : 0;
+  if (field_ < kWeak) status |= kMagnetTooWeak;
+  if (field_ > kStrong) status |= kMagnetTooStrong;
+  return status;
+}
+
 std::uint8_t As5600::register_value(std::uint8_t address) const {
   // The gain goes against the field, in the middle of 0..128 (3.3 V) for a good magnet.
   const double gain = std::clamp(64 / std::max(field_, 1e-3), 0.0, 128.0);
   const double magnitude = std::clamp(2048 * field_ * gain / 64, 0.0, 4095.0);
   switch (static_cast<Register>(address)) {
-    case Register::kStatus: {
-      std::uint8_t status = field_ >= kUndetected ? kMagnetDetected : 0;
-      if (field_ < kWeak) status |= kMagnetTooWeak;
-      if (field_ > kStrong) status |= kMagnetTooStrong;
-      return status;
-    }
+    case Register::kStatus:
+      return status();
     case Register::kRawAngle:
     case Register::kAngle:
       return static_cast<std::uint8_t>(counts_ >> 8);

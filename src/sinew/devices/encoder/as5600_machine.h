@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "sinew/core/split_mix.h"
-#include "sinew/devices/axis/axis_device_i2c.h"
+#include "sinew/devices/encoder/encoder_device_i2c.h"
 
 namespace sinew::sim {
 
@@ -42,6 +42,8 @@ class As5600 {
 
   /// What RAW ANGLE holds, 0..4095. Without a magnet the angle is noise.
   std::uint16_t counts() const { return counts_; }
+  /// Its STATUS register.
+  std::uint8_t status() const;
 
   /// The I2C side. The pointer stands at 0 after power-up; it goes on by itself with every byte,
   /// apart from RAW ANGLE, ANGLE and MAGNITUDE, where it returns to the high byte.

@@ -1,4 +1,4 @@
-#include "sinew/devices/axis/as5600_machine.h"
+#include "sinew/devices/encoder/as5600_machine.h"
 
 #include <gtest/gtest.h>
 

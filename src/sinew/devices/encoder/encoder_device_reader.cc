@@ -1,0 +1,51 @@
+#include "sinew/devices/encoder/encoder_device_reader.h"
+
+#include <utility>
+
+namespace sinew {
+
+using encoder_link::Register;
+
+Magnet magnet_in(std::uint16_t status) {
+  namespace bits = encoder_link::status;
+  if ((status & bits::kBusError) != 0) return Magnet::kNoReply;
+  if ((status & bits::kMagnet) == 0) return Magnet::kMissing;
+  if ((status & bits::kTooWeak) != 0) return Magnet::kTooWeak;
+  return (status & bits::kTooStrong) != 0 ? Magnet::kTooStrong : Magnet::kGood;
+}
+
+void EncoderReader::note(const Expected<encoder_link::Reply>& reply) {
+  if (!reply) {
+    // A silent POSITION may be a missing magnet: the next request finds out.
+    until_status_ = 0;
+    if (++unanswered_ >= kSilentAfter) magnet_ = Magnet::kNoReply;
+    return;
+  }
+  unanswered_ = 0;
+  if (reply->name == Register::kStatus) magnet_ = magnet_in(reply->value);
+  if (reply->name != Register::kPosition) return;
+  position_ = Position{reply->value, asked_at_};
+  // A position is there again: so is its magnet.
+  if (!is_detected(magnet_)) until_status_ = 0;
+}
+
+void EncoderReader::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  for (const std::uint8_t byte : bytes) {
+    if (const auto reply = link_.receive(byte, now)) note(*reply);
+  }
+}
+
+std::optional<encoder_link::RequestBytes> EncoderReader::poll(Instant now) {
+  if (const auto silence = link_.poll(now)) note(*silence);
+  if (!link_.ready(now)) return std::nullopt;
+  asked_at_ = now;
+  if (--until_status_ >= 0) return link_.ask(Register::kPosition, now);
+  until_status_ = kStatusEach;
+  return link_.ask(Register::kStatus, now);
+}
+
+std::optional<EncoderReader::Position> EncoderReader::take_position() {
+  return std::exchange(position_, std::nullopt);
+}
+
+}  // namespace sinew

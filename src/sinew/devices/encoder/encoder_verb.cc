@@ -1,0 +1,225 @@
+#include "sinew/devices/encoder/encoder_verb.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include "sinew/devices/encoder/encoder_device_reader.h"
+#include "sinew/devices/encoder/encoder_settings.h"
+#include "sinew/devices/encoder/encoder_wire.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/io/port.h"
+#include "sinew/io/standard_streams.h"
+
+namespace sinew::cli {
+namespace {
+
+using encoder_link::kTurn;
+using encoder_link::Register;
+
+constexpr int kLooks = 50;              // requests for POSITION
+constexpr double kFastest = 8 * kTurn;  // ticks/s that the link can say
+constexpr double kLeastTurn = 0.02;     // of a turn by hand, below which no direction is said
+constexpr double kShownEach = 0.1;      // s
+constexpr double kDegPerTick = 360.0 / kTurn;
+
+/// The port with a conversation on it, waited for.
+class NodeLine {
+ public:
+  explicit NodeLine(io::Port port) : port_(std::move(port)) {}
+
+  /// Nothing where no good reply came in time, or the port is gone.
+  std::optional<std::uint16_t> ask(Register name) {
+    while (!link_.ready(clock_.now()) && !lost_) read();
+    if (lost_) return std::nullopt;
+    ++asked_;
+    const Instant begin = clock_.now();
+    if (const auto sent = port_.write(link_.ask(name, begin)); !sent) lost_ = sent.error().sentence;
+    while (!lost_) {
+      if (const auto reply = read()) {
+        slowest_ = std::max(slowest_, clock_.now() - begin);
+        ++replies_;
+        return reply->value;
+      }
+      if (std::exchange(failed_, false)) break;
+    }
+    return std::nullopt;
+  }
+
+  Instant now() const { return clock_.now(); }
+  int asked() const { return asked_; }
+  int replies() const { return replies_; }
+  Duration slowest() const { return slowest_; }
+  std::uint64_t stray_bytes() const { return link_.stray_bytes(); }
+  const std::optional<std::string>& lost() const { return lost_; }
+
+ private:
+  std::optional<encoder_link::Reply> read() {
+    std::array<std::uint8_t, 64> bytes{};
+    const auto count = port_.read(bytes, std::chrono::milliseconds(1));
+    if (!count) {
+      lost_ = count.error().sentence;
+      return std::nullopt;
+    }
+    for (std::size_t i = 0; i < *count; ++i) {
+      if (const auto reply = link_.receive(bytes[i], clock_.now())) {
+        failed_ = !reply->has_value();
+        if (*reply) return **reply;
+      }
+    }
+    if (link_.poll(clock_.now())) failed_ = true;
+    return std::nullopt;
+  }
+
+  io::Port port_;
+  io::Clock clock_;
+  // An adapter on USB gives bytes on every 16 ms where it is not told otherwise.
+  encoder_link::Conversation link_{{.reply_timeout = std::chrono::milliseconds(60)}};
+  bool failed_ = false;
+  int asked_ = 0;
+  int replies_ = 0;
+  Duration slowest_{};
+  std::optional<std::string> lost_;
+};
+
+/// Follows the shaft while it is turned by hand.
+void watch(NodeLine& line, double seconds, Outcome& outcome) {
+  encoder_link::Unwrap unwrap(kFastest);
+  std::optional<std::int64_t> first;
+  std::int64_t last = 0;
+  const bool live = io::stderr_is_terminal();
+  const Instant begin = line.now();
+  double shown = 0;
+  while (to_seconds(line.now() - begin) < seconds && io::interrupts() == 0 && !line.lost()) {
+    const auto position = line.ask(Register::kPosition);
+    if (!position || *position >= kTurn) continue;
+    const auto ticks = unwrap.update(*position, line.now());
+    if (!ticks) continue;
+    if (!first) first = *ticks;
+    last = *ticks;
+    const double at = to_seconds(line.now() - begin);
+    if (!live || at < shown) continue;
+    shown = at + kShownEach;
+    std::fprintf(stderr, "\r  %7.2f deg, turned %+8.1f deg  ", *position * kDegPerTick,
+                 static_cast<double>(last - *first) * kDegPerTick);
+  }
+  if (live) std::fputs("\n", stderr);
+  const double turned = first ? static_cast<double>(last - *first) * kDegPerTick : 0;
+  const bool moved = std::abs(turned) >= kLeastTurn * 360;
+  outcome.json["turned_deg"] = turned;
+  outcome.text += moved ? fmt::format("  turned {:+.1f} deg: this direction counts {}\n", turned,
+                                      turned > 0 ? "up" : "down")
+                        : "  the shaft was not turned\n";
+}
+
+std::string advice(Magnet magnet) {
+  switch (magnet) {
+    case Magnet::kNoReply:
+      return "the AS5600 does not acknowledge: check SCL, SDA, its supply and its pull-ups";
+    case Magnet::kMissing:
+      return "the AS5600 sees no magnet: a diametric magnet sits centred, 0.5 to 3 mm above it";
+    case Magnet::kTooWeak:
+      return "the magnet is too weak: move it nearer to the AS5600";
+    case Magnet::kTooStrong:
+      return "the magnet is too strong: move it away from the AS5600";
+    default:
+      return {};
+  }
+}
+
+/// What the node replied; nothing of a register that was silent.
+struct Readings {
+  std::uint16_t status = 0;
+  std::optional<std::uint16_t> position = {};
+  std::optional<std::int16_t> velocity = {};
+  std::optional<std::int16_t> acceleration = {};
+  int lost_positions = 0;
+};
+
+/// Nothing where not even STATUS came.
+std::optional<Readings> read_registers(NodeLine& line) {
+  auto status = line.ask(Register::kStatus);
+  // One lost reply is no silence.
+  if (!status && !line.lost()) status = line.ask(Register::kStatus);
+  if (!status) return std::nullopt;
+  Readings readings{.status = *status};
+  for (int i = 0; i < kLooks && !line.lost() && io::interrupts() == 0; ++i) {
+    const auto one = line.ask(Register::kPosition);
+    if (one) readings.position = one;
+    if (!one) ++readings.lost_positions;
+    if (i == 1 && !readings.position) return readings;
+  }
+  const auto with_sign = [&](Register name) -> std::optional<std::int16_t> {
+    const auto value = line.ask(name);
+    if (!value) return std::nullopt;
+    return static_cast<std::int16_t>(*value);
+  };
+  readings.velocity = with_sign(Register::kVelocity);
+  readings.acceleration = with_sign(Register::kAcceleration);
+  return readings;
+}
+
+void report(const Readings& readings, Outcome& outcome) {
+  const int errors = readings.status >> 8;
+  outcome.json["magnet"] = magnet_word(magnet_in(readings.status));
+  outcome.json["status"] = readings.status;
+  outcome.json["i2c_errors"] = errors;
+  outcome.text +=
+      fmt::format("  magnet: {}; failed readings of the AS5600: {}{}\n",
+                  magnet_word(magnet_in(readings.status)), errors, errors == 255 ? " or more" : "");
+  if (!readings.position) return;
+  const double angle = *readings.position * kDegPerTick;
+  outcome.json["position_ticks"] = *readings.position;
+  outcome.json["angle_deg"] = angle;
+  outcome.text += fmt::format("  angle: {:.2f} deg ({} of {})", angle, *readings.position, kTurn);
+  if (readings.velocity) {
+    outcome.json["velocity_ticks_s"] = *readings.velocity;
+    outcome.text += fmt::format(", {:.1f} deg/s", *readings.velocity * kDegPerTick);
+  }
+  if (readings.acceleration) {
+    outcome.json["acceleration_ticks_s2"] = *readings.acceleration;
+    outcome.text += fmt::format(", {:.0f} deg/s^2", *readings.acceleration * kDegPerTick);
+  }
+  outcome.text += "\n";
+}
+
+}  // namespace
+
+Outcome examine_encoder(const EncoderRequest& request) {
+  auto port = io::Port::open_serial(request.port, kEncoderBaud);
+  if (!port) return could_not(port.error().sentence);
+  io::catch_interrupts();
+  NodeLine line(std::move(*port));
+  const auto readings = read_registers(line);
+  if (line.lost()) return could_not(*line.lost());
+  if (!readings) {
+    return could_not(fmt::format(
+        "{}: no encoder node replies at {} baud: check its supply, and A and B of RS-485 (try "
+        "them swapped)",
+        request.port, kEncoderBaud));
+  }
+  Outcome outcome;
+  outcome.json["port"] = request.port;
+  outcome.text = fmt::format("  encoder node on {}\n", request.port);
+  report(*readings, outcome);
+  outcome.json["requests"] = line.asked();
+  // Without a position POSITION is silent, which is no lost reply.
+  outcome.json["lost_replies"] = readings->position ? readings->lost_positions : 0;
+  outcome.json["slowest_reply_ms"] = to_seconds(line.slowest()) * 1e3;
+  outcome.text += fmt::format("  replies: {} of {}, the slowest after {:.1f} ms\n", line.replies(),
+                              line.asked(), to_seconds(line.slowest()) * 1e3);
+  if (readings->position && request.watch_s > 0) watch(line, request.watch_s, outcome);
+  if (line.lost()) return could_not(*line.lost());
+  const std::string trouble = advice(magnet_in(readings->status));
+  if (trouble.empty()) return outcome;
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint = request.port + ": " + trouble;
+  return outcome;
+}
+
+}  // namespace sinew::cli
