@@ -17,7 +17,8 @@ packages_of() {
     # The compilers with the headers of their libraries, what runs the images on this machine, and what writes
     # them.
     firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev \
-      gcc-avr avr-libc arduino-core-avr libunicorn-dev libsimavr-dev stm32flash avrdude ;;
+      gcc-avr avr-libc arduino-core-avr sdcc libunicorn-dev libsimavr-dev sdcc-ucsim stm32flash \
+      avrdude ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;

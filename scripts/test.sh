@@ -114,6 +114,8 @@ nothing_left_out() {
   [[ -e /usr/include/unicorn/unicorn.h ]] || missing+=" libunicorn"
   command -v avr-g++ >/dev/null || missing+=" avr-g++"
   [[ -e /usr/include/simavr/sim_avr.h ]] || missing+=" libsimavr"
+  command -v sdcc >/dev/null || missing+=" sdcc"
+  command -v sstm8 >/dev/null || command -v ucsim_stm8 >/dev/null || missing+=" sstm8"
   if [[ -z $missing ]]; then return 0; fi
   echo "  SINEW_STRICT: missing:$missing"
   failed=$((failed + 1))

@@ -45,6 +45,7 @@ void EmulatedArm::advance(Instant now) {
   for (; next_tick_ <= now; next_tick_ += kTick) {
     for (const auto& board : boards_) run_board(*board, next_tick_);
     tick();
+    on_tick();
   }
 }
 
@@ -74,7 +75,15 @@ void EmulatedArm::shift(std::span<const std::uint8_t> mosi, std::span<std::uint8
     if (is_selected(i)) boards_[i]->chip.clock_spi(mosi, clock_hz);
   }
   const auto bits = static_cast<std::int64_t>(8 * mosi.size());
-  advance_selected(now + Duration{bits * 1'000'000'000 / clock_hz} + std::chrono::nanoseconds(200));
+  const Instant end = now + Duration{bits * 1'000'000'000 / clock_hz};
+  advance_selected(end);
+  // A board that was in the middle of an instruction began a little later.
+  for (std::size_t i = 0; i < boards_.size(); ++i) {
+    Stm32& chip = boards_[i]->chip;
+    while (is_selected(i) && chip.miso().size() < mosi.size() && !broken_) {
+      broken_ = chip.run_until(chip.core().now() + 1);
+    }
+  }
   std::ranges::fill(miso, std::uint8_t{0xFF});
   for (std::size_t i = 0; i < boards_.size(); ++i) {
     if (!is_selected(i)) continue;

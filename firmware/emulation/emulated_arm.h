@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,8 @@ class EmulatedArm : public sim::SpiMachine {
   bool ready_pin(std::size_t /*axis*/) const override { return true; }
 
   EmulatedBoard& board(std::size_t joint) { return *boards_[joint]; }
+  /// Called every millisecond, behind the motion.
+  std::function<void()> on_tick = [] {};
   /// The first board whose program did what no program may, and what that was.
   const std::optional<std::string>& broken() const { return broken_; }
 

@@ -1,6 +1,7 @@
 #include "sinew/mcu/encoder_node.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "sinew/mcu/as5600.h"
 
@@ -74,8 +75,7 @@ int16_t shaft_filter_acceleration(const ShaftFilter* filter) {
 }
 
 void encoder_node_start(EncoderNode* node) {
-  static const EncoderNode kNew;
-  *node = kNew;
+  memset(node, 0, sizeof *node);
   node->since_good = 255;
   node->restarted = true;
 }

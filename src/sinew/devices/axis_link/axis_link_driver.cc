@@ -150,7 +150,7 @@ Expected<void> AxisLinkDriver::check_axes(const JointMove& move) const {
       if (std::abs(move.q[i] - channels_[i].q()) <= kLeftAlone) continue;
       return std::unexpected(*out);
     }
-    if (positions_[i].quality != PositionQuality::kMeasured) {
+    if (!channels_[i].is_referenced()) {
       return std::unexpected(with_index({ErrorCode::kPositionUnknown}, i));
     }
   }

@@ -31,6 +31,10 @@ constexpr double kSnap = 3.7e-3;
 /// s. A position in an answer is at most this old when the frame begins: docs/wires/axis_link.md.
 constexpr double kReadingAge = 0.010;
 
+/// Without a new number for longer, a good answer is a failure too. A board's control cycle is 4
+/// ms.
+constexpr Duration kLateMax = std::chrono::milliseconds(12);
+
 constexpr int kHelloTries = 8;
 /// From the answer before a zero was named to the one behind it, at most: at the search's slow
 /// speed a change of that goes into the shift.
@@ -151,6 +155,7 @@ Request Channel::next_request(Instant now) {
     }
   }
   awaited_ = request.sequence;
+  sent_at_[request.sequence % kRecent] = now;
   return request;
 }
 
@@ -195,14 +200,26 @@ bool Channel::replied(std::span<const std::uint8_t> miso, Instant now) {
     fail(forgot ? ErrorCode::kPositionUnknown : ErrorCode::kLinkSilent, 0, now);
     return false;
   }
-  if (reply->sequence != *sent_before_) {
-    fail(ErrorCode::kUnexpectedReply, 0, now);
-    return false;
-  }
+  if (reply->sequence != *sent_before_) return late(*reply, now);
   failures_ = 0;
   executed_ = reply->sequence;
-  take(*reply);
+  take(*reply, began_);
   return true;
+}
+
+/// A good answer to an earlier frame than the last one.
+bool Channel::late(const Reply& reply, Instant now) {
+  const auto behind = static_cast<std::uint16_t>(*sent_before_ - reply.sequence);
+  const bool recent = step_ != Step::kHello && behind < kRecent;
+  if (recent && is_newer(reply.sequence, executed_)) {
+    failures_ = 0;
+    executed_ = reply.sequence;
+    take(reply, sent_at_[reply.sequence % kRecent]);
+    return true;
+  }
+  const bool waits = recent && reply.sequence == executed_ && began_ - fresh_at_ <= kLateMax;
+  if (!waits) fail(ErrorCode::kUnexpectedReply, 0, now);
+  return false;
 }
 
 AxisLinkFacts::Axis Channel::facts() const {
@@ -216,7 +233,7 @@ AxisLinkFacts::Axis Channel::facts() const {
   return facts;
 }
 
-void Channel::take(const Reply& reply) {
+void Channel::take(const Reply& reply, Instant at) {
   if (const auto* identity = std::get_if<Identity>(&reply.body)) {
     if (step_ != Step::kHello) return;  // the frame before was still a hello
     facts_.identity = {*identity, began_};
@@ -236,17 +253,17 @@ void Channel::take(const Reply& reply) {
     }
   }
   if (const auto* health = std::get_if<Health>(&reply.body)) facts_.health = {*health, began_};
-  if (const auto* state = std::get_if<State>(&reply.body)) take_state(*state);
+  if (const auto* state = std::get_if<State>(&reply.body)) take_state(*state, at);
 }
 
 /// A search names its zero while the axis moves slowly: its position jumps by as much as the place
 /// of the switch differs from where the search before it had it.
-void Channel::look_for_zero(const State& state) {
+void Channel::look_for_zero(const State& state, Instant at) {
   if (!state.homed && !state.homing) has_zero_ = false;
   if (!state_ || !state.homed) return;
   const bool named = !state_->homed;
   if (named) zero_shift_.reset();
-  const Duration between = began_ - fresh_at_;
+  const Duration between = at - fresh_at_;
   if (named && has_zero_ && between <= kShiftAge) {
     const double speed = (state_->velocity + state.velocity) / (2.0 * kStateVelocityUnits);
     zero_shift_ =
@@ -255,10 +272,10 @@ void Channel::look_for_zero(const State& state) {
   has_zero_ = state.position_ok;
 }
 
-void Channel::take_state(const State& state) {
-  look_for_zero(state);
+void Channel::take_state(const State& state, Instant at) {
+  look_for_zero(state, at);
   state_ = state;
-  fresh_at_ = began_;
+  fresh_at_ = at;
   const auto trouble = trouble_of(state);
   if (step_ == Step::kLook) {
     // The silent host was the reason; this host speaks. Clearing the fault moves nothing.
@@ -296,16 +313,20 @@ bool Channel::at_rest() const {
   return !command_ && failures_ == 0 && state_ && !state_->moving && !state_->homing;
 }
 
+bool Channel::is_referenced() const {
+  return step_ != Step::kShut && state_ && state_->homed && state_->position_ok && !state_->homing;
+}
+
 JointPosition Channel::position(Instant now) const {
   JointPosition position{.q = q(), .lower = settings_.joint.lower, .upper = settings_.joint.upper};
-  const bool known =
-      step_ != Step::kShut && state_ && state_->homed && state_->position_ok && !state_->homing;
   const Duration age = now - fresh_at_;
-  if (!known || (failures_ > 0 && age > run_out_)) return position;
+  if (!is_referenced() || (failures_ > 0 && age > run_out_)) return position;
   // As far as it can have gone since it was seen.
   const double speed = std::abs(state_->velocity) / kStateVelocityUnits;
-  const double way =
-      failures_ > 0 ? settings_.joint.velocity_max * to_seconds(age) + kSnap : speed * kReadingAge;
+  const double late = to_seconds(began_ - fresh_at_);
+  const double way = failures_ > 0
+                         ? settings_.joint.velocity_max * to_seconds(age) + kSnap
+                         : (speed + settings_.joint.acceleration_max * late) * (kReadingAge + late);
   position.quality = failures_ > 0 ? PositionQuality::kUncertain : PositionQuality::kMeasured;
   position.lower = position.q - uncertainty_ - way;
   position.upper = position.q + uncertainty_ + way;

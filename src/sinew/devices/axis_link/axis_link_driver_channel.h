@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -21,9 +22,11 @@ struct ChannelSettings {
 
 /// Host side of one axis: which frame is next, and what an answer is worth.
 ///
-/// An answer counts only where it names the frame before it as the last one executed: that proves
-/// at once that the axis heard us and that the answer is not an old one. Whatever else comes (bad
-/// checksum, another axis, another session, another sequence) counts as a failure and is not used.
+/// An answer counts where it names the frame before it as the last one executed: that proves at once
+/// that the axis heard us and that the answer is not an old one. A board whose loop is slower than
+/// our frames names an earlier one: that answer is late, and is as old as the frame it names. One
+/// that names none of the last frames, or the same one for longer than kLateMax, and whatever else
+/// comes (bad checksum, another axis, another session) counts as a failure and is not used.
 ///
 ///   step     | what is sent                 | next
 ///   ---------+------------------------------+-----------------------------------------------
@@ -87,6 +90,8 @@ class Channel {
   Duration run_out() const { return run_out_; }
   /// At `now`; measured means: when the last frame began.
   JointPosition position(Instant now) const;
+  /// Homed, by its last answer; a few frames may have failed since.
+  bool is_referenced() const;
   std::uint64_t failed_frames() const { return failed_frames_; }
   /// By how much the last search named its zero other than the one before it in this session, rad;
   /// nothing where there was none before, or where answers were lost around that instant. -+ the
@@ -94,10 +99,11 @@ class Channel {
   std::optional<double> zero_shift() const { return zero_shift_; }
 
  private:
+  bool late(const Reply& reply, Instant now);
   void fail(ErrorCode why, double measured, Instant now);
-  void take(const Reply& reply);
-  void take_state(const State& state);
-  void look_for_zero(const State& state);
+  void take(const Reply& reply, Instant at);
+  void take_state(const State& state, Instant at);
+  void look_for_zero(const State& state, Instant at);
   std::optional<Error> identity_error(const Identity& identity) const;
   Error indexed(ErrorCode code, double measured = 0, double limit = 0) const;
 
@@ -125,6 +131,8 @@ class Channel {
   std::uint16_t executed_ = 0;
   Instant began_;     ///< the frame under way
   Instant fresh_at_;  ///< when the frame of `state_` began
+  static constexpr std::size_t kRecent = 32;
+  std::array<Instant, kRecent> sent_at_{};  ///< by sequence, modulo kRecent
   int failures_ = 0;
   std::uint64_t failed_frames_ = 0;
 

@@ -1,0 +1,41 @@
+# Run with -P: makes NAME.bin and NAME.hex of what sdcc linked, filled up to the end of the flash
+# with the value of erased bytes; prints what the image takes, into NAME.size too. Fails beyond the
+# flash, beyond RAM bytes, or where parts overlap.
+string(REGEX REPLACE "\\.ihx$" ".map" map "${IHX}")
+file(STRINGS "${map}" symbols REGEX "^ +[0-9A-F]+ +[ls]_[A-Z0-9_]+ *$")
+foreach(symbol IN LISTS symbols)
+  string(REGEX MATCH "([0-9A-F]+) +([ls]_[A-Z0-9_]+)" matched "${symbol}")
+  math(EXPR ${CMAKE_MATCH_2} "0x${CMAKE_MATCH_1}")
+endforeach()
+
+math(EXPR code "${CODE}")
+math(EXPR label "${LABEL}")
+math(EXPR vectors_end "${s_HOME} + ${l_HOME}")
+math(EXPR label_end "${LABEL} + 56")
+set(end 0)
+foreach(area CONST INITIALIZER CODE)
+  math(EXPR area_end "${s_${area}} + ${l_${area}}")
+  if(area_end GREATER end)
+    set(end ${area_end})
+  endif()
+endforeach()
+math(EXPR flash "${end} - ${FLASH_BEGIN}")
+math(EXPR room "${FLASH_END} - ${FLASH_BEGIN}")
+math(EXPR ram "${s_INITIALIZED} + ${l_INITIALIZED}")
+set(size "${NAME}: flash ${flash} of ${room} bytes, RAM ${ram} of ${RAM} bytes")
+message("${size}")
+file(WRITE ${NAME}.size "${size}\n")
+if(flash GREATER room OR ram GREATER RAM)
+  set(wrong "takes more than its budget")
+elseif(vectors_end GREATER label OR label_end GREATER code OR NOT s_GSINIT EQUAL code)
+  set(wrong "has no gap for its label")
+endif()
+if(wrong)
+  file(REMOVE "${IHX}")
+  message(FATAL_ERROR "${NAME} ${wrong}")
+endif()
+
+execute_process(COMMAND "${OBJCOPY}" -I ihex -O binary --gap-fill 0x00 --pad-to ${FLASH_END}
+  "${IHX}" ${NAME}.bin COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${OBJCOPY}" -I binary -O ihex
+  --change-section-address .data=${FLASH_BEGIN} ${NAME}.bin ${NAME}.hex COMMAND_ERROR_IS_FATAL ANY)

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <stdint.h>
+
+// Registers of the STM8S103F3. Addresses: its data sheet (DocID15441), "memory and register map".
+// Bits: RM0016, in the section that is named. C11 as sdcc compiles it.
+
+#define SINEW_REGISTER(address) (*(volatile uint8_t*)(address))
+
+// Ports, RM0016 11.9
+#define PA_ODR SINEW_REGISTER(0x5000)
+#define PA_DDR SINEW_REGISTER(0x5002)
+#define PA_CR1 SINEW_REGISTER(0x5003)
+#define PB_ODR SINEW_REGISTER(0x5005)
+#define PB_DDR SINEW_REGISTER(0x5007)
+#define PB_CR1 SINEW_REGISTER(0x5008)
+#define PC_CR1 SINEW_REGISTER(0x500D)
+#define PD_ODR SINEW_REGISTER(0x500F)
+#define PD_DDR SINEW_REGISTER(0x5011)
+#define PD_CR1 SINEW_REGISTER(0x5012)
+
+// Clock, 9.9
+#define CLK_CKDIVR SINEW_REGISTER(0x50C6)
+
+// Independent watchdog, 14.3
+#define IWDG_KR SINEW_REGISTER(0x50E0)
+#define IWDG_PR SINEW_REGISTER(0x50E1)
+#define IWDG_RLR SINEW_REGISTER(0x50E2)
+
+// I2C, 21.7
+#define I2C_CR1 SINEW_REGISTER(0x5210)
+#define I2C_CR2 SINEW_REGISTER(0x5211)
+#define I2C_FREQR SINEW_REGISTER(0x5212)
+#define I2C_OARH SINEW_REGISTER(0x5214)
+#define I2C_DR SINEW_REGISTER(0x5216)
+#define I2C_SR1 SINEW_REGISTER(0x5217)
+#define I2C_SR2 SINEW_REGISTER(0x5218)
+#define I2C_SR3 SINEW_REGISTER(0x5219)
+#define I2C_CCRL SINEW_REGISTER(0x521B)
+#define I2C_CCRH SINEW_REGISTER(0x521C)
+#define I2C_TRISER SINEW_REGISTER(0x521D)
+
+// UART1, 22.7
+#define UART1_SR SINEW_REGISTER(0x5230)
+#define UART1_DR SINEW_REGISTER(0x5231)
+#define UART1_BRR1 SINEW_REGISTER(0x5232)
+#define UART1_BRR2 SINEW_REGISTER(0x5233)
+#define UART1_CR2 SINEW_REGISTER(0x5235)
+
+// TIM4, 19.6
+#define TIM4_CR1 SINEW_REGISTER(0x5340)
+#define TIM4_IER SINEW_REGISTER(0x5343)
+#define TIM4_SR SINEW_REGISTER(0x5344)
+#define TIM4_EGR SINEW_REGISTER(0x5345)
+#define TIM4_PSCR SINEW_REGISTER(0x5347)
+#define TIM4_ARR SINEW_REGISTER(0x5348)
+
+// Data sheet, "interrupt vector mapping"
+enum { kVectorUartSent = 17, kVectorUartReceived = 18, kVectorTick = 23 };
