@@ -22,11 +22,11 @@ struct ChannelSettings {
 
 /// Host side of one axis: which frame is next, and what an answer is worth.
 ///
-/// An answer counts where it names the frame before it as the last one executed: that proves at once
-/// that the axis heard us and that the answer is not an old one. A board whose loop is slower than
-/// our frames names an earlier one: that answer is late, and is as old as the frame it names. One
-/// that names none of the last frames, or the same one for longer than kLateMax, and whatever else
-/// comes (bad checksum, another axis, another session) counts as a failure and is not used.
+/// An answer counts where it names the frame before it as the last one executed: that proves at
+/// once that the axis heard us and that the answer is not an old one. A board whose loop is slower
+/// than our frames names an earlier one: that answer is late, and is as old as the frame it names.
+/// One that names none of the last frames, or the same one for longer than kLateMax, and whatever
+/// else comes (bad checksum, another axis, another session) counts as a failure and is not used.
 ///
 ///   step     | what is sent                 | next
 ///   ---------+------------------------------+-----------------------------------------------
