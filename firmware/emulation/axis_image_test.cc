@@ -173,6 +173,25 @@ TEST_P(AxisImage, a_supply_that_sags_ends_pulses_and_current_at_once) {
   ASSERT_TRUE(bench.open() && bench.home());
 }
 
+TEST_P(AxisImage, a_sag_at_any_moment_of_the_control_cycle_keeps_the_current_off) {
+  ASSERT_TRUE(ready());
+  for (int phase = 0; phase < 32; ++phase) {
+    SCOPED_TRACE(phase);
+    ASSERT_FALSE(bench.chip.output('B', 13)) << "current is on";
+    ASSERT_FALSE(bench.chip.run_for(0.125e-3 * phase));
+    bench.chip.set_supply_low(true);
+    ASSERT_FALSE(bench.chip.run_for(0.1e-3));
+    bench.chip.set_supply_low(false);
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_TRUE(bench.chip.output('B', 13)) << i;
+      ASSERT_FALSE(bench.chip.run_for(0.2e-3));
+    }
+    ASSERT_TRUE(bench.open() && bench.send(Mode::kClearFaults));
+    ASSERT_TRUE(bench.read_until([&] { return bench.state.fault == 0; }, 1));
+    ASSERT_TRUE(bench.run(0.5));
+  }
+}
+
 TEST_P(AxisImage, whatever_comes_over_the_wire_moves_nothing_and_hangs_nothing) {
   bench.set_up();
   ASSERT_TRUE(bench.run(0.1));

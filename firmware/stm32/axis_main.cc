@@ -104,7 +104,7 @@ void start_supply_watch() {
   power().cr |= 0b111U << 5 | 1U << 4;
   chip::exti().rtsr |= kSupplyEvent;
   chip::exti().imr |= kSupplyEvent;
-  enable(Line::kSupply, 0);
+  enable(Line::kSupply, 1);
 }
 bool supply_is_low() {
   return (power().csr & 1U << 2) != 0;
@@ -142,11 +142,12 @@ AxisInputs read_inputs(const AxisEncoderSettings& encoders) {
 void tick(AxisController& controller) {
   const AxisInputs inputs = read_inputs(controller.settings().encoders);
   const AxisOutputs outputs = controller.tick(inputs, now());
-  set_level(board::kEnable, !outputs.enabled);
-  hardware.current = outputs.enabled;
-  // The stop line may have come since the inputs were read.
+  // The stop line, or a sag of the supply, may have come since the inputs were read.
   const InterruptsOff off;
-  if (outputs.frozen || hardware.stop_seen || stop_line()) {
+  const bool sags = hardware.supply_low_for > 0 || supply_is_low();
+  hardware.current = outputs.enabled && !sags;
+  set_level(board::kEnable, !hardware.current);
+  if (outputs.frozen || sags || hardware.stop_seen || stop_line()) {
     hardware.steps.stop();
   } else {
     hardware.steps.go_to(outputs.steps);

@@ -1,10 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <functional>
+#include <thread>
 
 #include "cli/process.h"
+#include "sinew/devices/encoder/encoder_machine.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/port.h"
 
 /// An encoder node on a port: `sinew sim encoder` behind `sinew doctor --encoder`.
 namespace sinew::test {
@@ -84,6 +90,85 @@ TEST(EncoderNodeOnAPort, is_not_taken_for_a_robot_nor_a_robot_for_it) {
       << ended.err;
 }
 
+/// A line with something else on it than a plain node.
+class OddLine {
+ public:
+  /// @param serve  what comes, to what goes, some thousand times a second
+  using Serve = std::function<void(std::span<const std::uint8_t> bytes, io::Port& port)>;
+  explicit OddLine(Serve serve)
+      : port_(std::move(*io::Port::open_pseudo_terminal())),
+        thread_([this, serve = std::move(serve)] {
+          std::array<std::uint8_t, 64> bytes{};
+          while (!ends_) {
+            const auto count = port_.read(bytes, std::chrono::microseconds(200));
+            serve(std::span(bytes).first(count.value_or(0)), port_);
+          }
+        }) {}
+  ~OddLine() {
+    ends_ = true;
+    thread_.join();
+  }
+  OddLine(const OddLine&) = delete;
+  OddLine& operator=(const OddLine&) = delete;
+  const std::string& path() const { return port_.path(); }
+
+ private:
+  io::Port port_;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
+TEST(EncoderNodeOnAPort, an_adapter_that_receives_what_it_sends_is_no_trouble) {
+  const io::Clock clock;
+  const Instant begin = clock.now();
+  sim::EncoderMachine machine(0, 3, Instant{});
+  const OddLine line([&](std::span<const std::uint8_t> bytes, io::Port& port) {
+    if (bytes.empty()) return;
+    static_cast<void>(port.write(bytes));
+    machine.receive(bytes, Instant{} + (clock.now() - begin));
+    std::array<std::uint8_t, 32> reply{};
+    const std::size_t size = machine.take_output(reply);
+    static_cast<void>(port.write(std::span(reply).first(size)));
+  });
+  const Json seen = answer({"doctor", "--encoder", line.path()});
+  EXPECT_EQ(seen["magnet"], "good");
+  EXPECT_EQ(seen["lost_replies"], 0);
+}
+
+TEST(EncoderNodeOnAPort, a_line_that_is_never_quiet_is_given_up) {
+  const OddLine line([](std::span<const std::uint8_t>, io::Port& port) {
+    static_cast<void>(port.write_now(std::array<std::uint8_t, 2>{0x31, 0x32}));
+  });
+  const Ended ended = sinew({"doctor", "--encoder", line.path()});
+  EXPECT_EQ(ended.exit, 1);
+  // On a busy computer it may have its pauses.
+  const bool said = ended.err.find("never quiet") != std::string::npos ||
+                    ended.err.find("other bytes came") != std::string::npos;
+  EXPECT_TRUE(said) << ended.err;
+}
+
+TEST(EncoderNodeOnAPort, says_no_direction_where_replies_were_lost) {
+  const io::Clock clock;
+  const Instant begin = clock.now();
+  sim::EncoderMachine machine(from_deg(200), 3, Instant{});
+  const OddLine line([&](std::span<const std::uint8_t> bytes, io::Port& port) {
+    const Duration age = clock.now() - begin;
+    machine.advance(Instant{} + age);
+    // The cable is loose for a second.
+    const bool loose =
+        age > std::chrono::milliseconds(1500) && age < std::chrono::milliseconds(2500);
+    if (bytes.empty() || loose) return;
+    machine.receive(bytes, Instant{} + age);
+    std::array<std::uint8_t, 32> reply{};
+    const std::size_t size = machine.take_output(reply);
+    static_cast<void>(port.write(std::span(reply).first(size)));
+  });
+  const Ended ended = sinew({"doctor", "--encoder", line.path(), "--watch", "3"});
+  EXPECT_EQ(ended.exit, 1) << ended.out;
+  EXPECT_NE(ended.err.find("direction is not known"), std::string::npos) << ended.err;
+  EXPECT_EQ(ended.out.find("counts"), std::string::npos) << ended.out;
+}
+
 TEST(EncoderNodeOnAPort, refuses_what_makes_no_sense) {
   const auto refused = [](const Arguments& words, const std::string& why) {
     const Ended ended = sinew(words);
@@ -94,6 +179,8 @@ TEST(EncoderNodeOnAPort, refuses_what_makes_no_sense) {
   refused({"doctor", "--encoder", "/dev/null", "--watch", "-1"}, "--watch: 0 to 600 s");
   refused({"doctor", "--encoder", "/dev/null", "--watch", "nan"}, "--watch");
   refused({"doctor", "--watch", "3"}, "--encoder PORT");
+  refused({"doctor", "--encoder", "/dev/null", "--without", "J3"}, "a node by itself");
+  refused({"firmware", "flash", "encoder-stm8s103", "--port", "/dev/null"}, "sinew cannot write");
   refused({"sim", "encoder", "--profile", "document"}, "an encoder node has none of them");
   refused({"sim", "encoder", "--speed", "1e9"}, "--speed: -2880 to 2880 deg/s");
   refused({"sim", "learm", "--speed", "3"}, "--speed");

@@ -253,6 +253,7 @@ export const deviceDe: Record<keyof typeof deviceEn, string> = {
   'device.magnet.no reply': 'keine Antwort',
   'device.zero_shift': 'Nullpunkt verschoben um',
   'device.failed_frames': 'Fehlerhafte Telegramme',
+  'device.late_frames': 'Verspätete Antworten',
   'device.model_hash': 'Modell, Starts',
   'device.boots': '{count} Starts',
   'device.flag.motor_ok': 'Motor',

@@ -251,6 +251,7 @@ export const deviceEn = {
   'device.magnet.no reply': 'no reply',
   'device.zero_shift': 'Zero moved by',
   'device.failed_frames': 'Failed frames',
+  'device.late_frames': 'Late answers',
   'device.model_hash': 'Model, starts',
   'device.boots': '{count} starts',
   'device.flag.motor_ok': 'motor',

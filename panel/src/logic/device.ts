@@ -67,6 +67,7 @@ export interface AxisJson extends Heard {
   fault_number?: number;
   verdict?: string;
   failed_frames?: number;
+  late_frames?: number;
   identity?: Heard & { model_hash: number; boot: number; uncertainty_rad: number };
   health?: Heard & { supply_v?: number; temperature_c?: number; motor_magnet?: Magnet; joint_magnet?: Magnet };
   zero_shift_rad?: number;

@@ -522,6 +522,7 @@ function Axis({ axis, blank }: { axis: AxisJson; blank: boolean }): JSX.Element 
             ],
             axis.zero_shift_rad !== undefined && [t('device.zero_shift'), degrees(axis.zero_shift_rad, 3)],
             [t('device.failed_frames'), axis.failed_frames ?? 0],
+            axis.late_frames !== undefined && [t('device.late_frames'), axis.late_frames],
             axis.identity && [t('device.model_hash'), `${axis.identity.model_hash.toString(16).toUpperCase().padStart(8, '0')}, ${t('device.boots', { count: axis.identity.boot })}`],
           ].map((row) => row || null) as [string, ComponentChildren][]}
         />

@@ -280,16 +280,27 @@ Outcome put_on_board(const FirmwareRequest& request, const FlashBoard& board, co
   return outcome;
 }
 
+/// A word of a command line.
+std::string in_shell(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+";
+  if (word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 /// The command that writes it; nothing is written here.
 Outcome how_by_hand(const FirmwareRequest& request, const FlashBoard& board) {
-  if (request.port || request.usb || request.probe) {
-    return bad_input(fmt::format(
-        "--port, --usb and --probe: sinew does not write a {}; without them it shows the command",
-        board.what));
+  if (request.port || request.usb || request.probe || request.image || request.no_backup) {
+    return bad_input(
+        fmt::format("--port, --usb, --probe, --image and --no-backup: sinew cannot write {}; "
+                    "without them it shows the command",
+                    board.image));
   }
   const auto wanted = image_to_write(request, board);
   if (!wanted) return wanted.error();
-  const std::string command = fmt::format("{} {}", board.by_hand, wanted->path);
+  const std::string command = fmt::format("{} {}", board.by_hand, in_shell(wanted->path));
   Outcome outcome;
   outcome.json = {{"board", board.image}, {"written", false}, {"command", command}};
   if (wanted->image) outcome.json.update(image_json(*wanted->image));

@@ -100,8 +100,10 @@ Outcome ask_robot(const DoctorRequest& request) {
 Outcome examine(const DoctorRequest& request) {
   const RobotOptions& robot = request.robot;
   if (request.encoder) {
-    if (!robot.name.empty() || robot.port) {
-      return bad_input("--encoder: a node by itself; --robot and --port ask a robot");
+    const bool of_robot = robot.wire || robot.profile || robot.journal || robot.settings;
+    if (!robot.name.empty() || robot.port || of_robot || !robot.without.empty()) {
+      return bad_input(
+          "--encoder: a node by itself; --robot, --port and what belongs to them ask a robot");
     }
     if (!(request.watch_s >= 0 && request.watch_s <= kWatchMax)) {
       return bad_input(fmt::format("--watch: 0 to {:.0f} s", kWatchMax));

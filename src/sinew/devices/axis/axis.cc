@@ -83,9 +83,10 @@ void state_axes(const Driver& driver, const RobotModel& robot, DeviceStatements&
 void state_link(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
   state_axes<AxisLinkDriver>(driver, robot, statements);
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    const axis_link::Health health = driver_as<AxisLinkDriver>(driver).axis_health(j);
-    statements.say("motor_magnet", std::string(magnet_word(health.motor_magnet)), j);
-    statements.say("joint_magnet", std::string(magnet_word(health.joint_magnet)), j);
+    const auto health = driver_as<AxisLinkDriver>(driver).axis_health(j);
+    if (!health) continue;
+    statements.say("motor_magnet", std::string(magnet_word(health->motor_magnet)), j);
+    statements.say("joint_magnet", std::string(magnet_word(health->joint_magnet)), j);
   }
   statements.say("shows_zero_shift", "yes");
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -145,7 +146,7 @@ std::string link_suspicion(const Driver& driver) {
     }
   }
   for (std::size_t i = 0; i < boards.positions().size(); ++i) {
-    const axis_link::Health health = boards.axis_health(i);
+    const axis_link::Health health = boards.axis_health(i).value_or(axis_link::Health{});
     for (const auto& [magnet, shaft] :
          {std::pair(health.motor_magnet, "motor"), std::pair(health.joint_magnet, "joint")}) {
       if (magnet == Magnet::kUnknown || magnet == Magnet::kGood) continue;

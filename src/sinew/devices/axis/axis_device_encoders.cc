@@ -18,6 +18,7 @@ constexpr double kVelocityPole = 100;
 constexpr double kDisagreementTime = 0.05;  // s
 /// A node's reply that is lost costs three control cycles, and a joint turns slowly.
 constexpr double kNodeGaps = 3;
+constexpr double kNodeStart = 0.5;  // s: a node may have its power later than the board
 
 std::int32_t wrapped_difference(std::int32_t now, std::int32_t before, std::int32_t modulus) {
   const auto difference = static_cast<std::int32_t>(static_cast<std::uint32_t>(now) -
@@ -32,7 +33,7 @@ std::int32_t wrapped_difference(std::int32_t now, std::int32_t before, std::int3
 void EncoderChannel::wait(double dt) {
   waited_ += dt;
   gap_ += dt;
-  if (gap_ > gap_max_) lost_ = true;
+  if (gap_ > (started_ ? gap_max_ : start_max_)) lost_ = true;
 }
 
 void EncoderChannel::read(std::int32_t counts, bool ok, double dt) {
@@ -75,7 +76,8 @@ AxisEncoders::AxisEncoders(const AxisEncoderSettings& settings)
                      turns * settings.gear_ratio * std::abs(settings.motor_counts_per_turn), gap);
   joint_ = EncoderChannel(settings.joint == JointEncoder::kAs5600 ? kAs5600Positions : 0,
                           turns * std::abs(settings.joint_counts_per_turn),
-                          settings.joint_node ? kNodeGaps * gap : gap);
+                          settings.joint_node ? kNodeGaps * gap : gap,
+                          settings.joint_node ? kNodeStart : gap);
 }
 
 double AxisEncoders::motor_angle() const {

@@ -15,8 +15,11 @@ class EncoderChannel {
   EncoderChannel() = default;
   /// @param modulus    positions until it wraps; 0: never
   /// @param speed_max  counts/s. @param gap_max  s without a good reading until it is lost
+  /// @param start_max  the same, until the first one
+  EncoderChannel(std::int32_t modulus, double speed_max, double gap_max, double start_max)
+      : modulus_(modulus), speed_max_(speed_max), gap_max_(gap_max), start_max_(start_max) {}
   EncoderChannel(std::int32_t modulus, double speed_max, double gap_max)
-      : modulus_(modulus), speed_max_(speed_max), gap_max_(gap_max) {}
+      : EncoderChannel(modulus, speed_max, gap_max, gap_max) {}
 
   /// @param dt  s since the last call of read() or wait()
   void read(std::int32_t counts, bool ok, double dt);
@@ -32,6 +35,7 @@ class EncoderChannel {
   std::int32_t modulus_ = 0;
   double speed_max_ = 0;
   double gap_max_ = 0;
+  double start_max_ = 0;
   bool started_ = false;
   bool good_ = false;
   bool lost_ = false;

@@ -1,6 +1,7 @@
 // The first day of arms with a board per axis.
 #include "sinew/core/units.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/model/left_out.h"
 #include "sinew/program/procedures/step_list.h"
 
 namespace sinew::program {
@@ -10,12 +11,16 @@ namespace {
 void list_magnets(StepList& list, const RobotModel& robot, const DeviceFact& fact) {
   if (!robot.device.settings.is<AxisLinkDevice>()) return;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    if (is_left_out(robot, j)) continue;
     list.add("magnet." + robot.joints[j].name, "The encoder magnets of " + robot.joints[j].name,
              CheckStep{[fact, j](const Procedure&) -> std::optional<Verdict> {
-               const auto motor = fact ? fact("motor_magnet", j) : std::nullopt;
-               const auto joint = fact ? fact("joint_magnet", j) : std::nullopt;
-               if (!motor || !joint) return Verdict{true, "not reported here"};
-               if (*motor == "unknown" && *joint == "unknown") return std::nullopt;
+               if (!fact) return Verdict{true, "not reported here"};
+               const auto motor = fact("motor_magnet", j);
+               const auto joint = fact("joint_magnet", j);
+               if (!motor || !joint) return std::nullopt;
+               if (*motor == "unknown" && *joint == "unknown") {
+                 return Verdict{true, "not reported here"};
+               }
                const auto fine = [](const std::string& word) {
                  return word == "good" || word == "unknown";
                };

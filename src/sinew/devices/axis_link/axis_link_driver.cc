@@ -63,6 +63,7 @@ void AxisLinkDriver::open(Instant now) {
   to_all_due_.reset();
   axis_ = 0;
   known_out_ = {};
+  healths_asked_ = 0;
   told_ = {};
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!is_out_by_choice(i)) channels_[i].begin(false, now);
@@ -110,10 +111,11 @@ DriverHealth AxisLinkDriver::health() const {
   for (const Channel& channel : channels_) {
     health.unexpected += channel.failed_frames();
     // Of several axes the worst: the lowest supply, the hottest power stage.
-    if (const auto millivolts = channel.health().supply_mv) {
+    const axis_link::Health told = channel.health().value_or(axis_link::Health{});
+    if (const auto millivolts = told.supply_mv) {
       health.supply_volts = std::min(health.supply_volts.value_or(1e9), *millivolts * 1e-3);
     }
-    if (const auto hundredths = channel.health().temperature_c01) {
+    if (const auto hundredths = told.temperature_c01) {
       health.temperature_c = std::max(health.temperature_c.value_or(-1e9), *hundredths * 1e-2);
     }
   }

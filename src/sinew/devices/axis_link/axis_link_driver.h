@@ -126,8 +126,10 @@ class AxisLinkDriver : public SpiDriver {
   std::optional<double> zero_shift(std::size_t joint) const {
     return channels_[joint].zero_shift();
   }
-  /// As the axis last reported it; not measured where it never did.
-  axis_link::Health axis_health(std::size_t joint) const { return channels_[joint].health(); }
+  /// As the axis last reported it; nothing where it did not yet.
+  std::optional<axis_link::Health> axis_health(std::size_t joint) const {
+    return channels_[joint].health();
+  }
   /// From one frame of an axis to its next, as it was last.
   Duration round_time() const { return round_; }
 

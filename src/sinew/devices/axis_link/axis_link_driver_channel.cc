@@ -31,9 +31,8 @@ constexpr double kSnap = 3.7e-3;
 /// s. A position in an answer is at most this old when the frame begins: docs/wires/axis_link.md.
 constexpr double kReadingAge = 0.010;
 
-/// Without a new number for longer, a good answer is a failure too. A board's control cycle is 4
-/// ms.
-constexpr Duration kLateMax = std::chrono::milliseconds(12);
+/// Without a new number for longer, a good answer is a failure too: two control cycles of a board.
+constexpr Duration kLateMax = std::chrono::milliseconds(8);
 
 constexpr int kHelloTries = 8;
 /// From the answer before a zero was named to the one behind it, at most: at the search's slow
@@ -101,6 +100,7 @@ void Channel::begin(bool clear, Instant now) {
   clear_ = clear;
   had_stopped_ = false;
   error_.reset();
+  other_axis_.reset();
   command_.reset();
   setpoint_.reset();
   awaited_.reset();
@@ -109,6 +109,7 @@ void Channel::begin(bool clear, Instant now) {
   state_.reset();
   has_zero_ = false;
   zero_shift_.reset();
+  facts_.health.reset();
   // A number that no host before is likely to have greeted with: microseconds of the clock.
   sequence_ = static_cast<std::uint16_t>(sequence_ + 1 + now.time_since_epoch().count() / 1000);
 }
@@ -155,7 +156,7 @@ Request Channel::next_request(Instant now) {
     }
   }
   awaited_ = request.sequence;
-  sent_at_[request.sequence % kRecent] = now;
+  sent_at_[request.sequence % sent_at_.size()] = now;
   return request;
 }
 
@@ -188,6 +189,7 @@ bool Channel::replied(std::span<const std::uint8_t> miso, Instant now) {
   const bool of_session = step_ == Step::kHello ? identity != nullptr && reply->session != 0
                                                 : reply->session == session_;
   if (reply->axis != settings_.axis) {
+    other_axis_ = indexed(ErrorCode::kUnexpectedReply, reply->axis);
     fail(ErrorCode::kUnexpectedReply, reply->axis, now);
     return false;
   }
@@ -211,10 +213,11 @@ bool Channel::replied(std::span<const std::uint8_t> miso, Instant now) {
 bool Channel::late(const Reply& reply, Instant now) {
   const auto behind = static_cast<std::uint16_t>(*sent_before_ - reply.sequence);
   const bool recent = step_ != Step::kHello && behind < kRecent;
+  if (recent) ++late_frames_;
   if (recent && is_newer(reply.sequence, executed_)) {
     failures_ = 0;
     executed_ = reply.sequence;
-    take(reply, sent_at_[reply.sequence % kRecent]);
+    take(reply, sent_at_[reply.sequence % sent_at_.size()]);
     return true;
   }
   const bool waits = recent && reply.sequence == executed_ && began_ - fresh_at_ <= kLateMax;
@@ -230,6 +233,7 @@ AxisLinkFacts::Axis Channel::facts() const {
   if (setpoint_) facts.setpoint = setpoint_->q;
   facts.zero_shift = zero_shift_;
   facts.failed_frames = failed_frames_;
+  facts.late_frames = late_frames_;
   return facts;
 }
 
@@ -323,11 +327,13 @@ JointPosition Channel::position(Instant now) const {
   if (!is_referenced() || (failures_ > 0 && age > run_out_)) return position;
   // As far as it can have gone since it was seen.
   const double speed = std::abs(state_->velocity) / kStateVelocityUnits;
-  const double late = to_seconds(began_ - fresh_at_);
-  const double way = failures_ > 0
-                         ? settings_.joint.velocity_max * to_seconds(age) + kSnap
-                         : (speed + settings_.joint.acceleration_max * late) * (kReadingAge + late);
-  position.quality = failures_ > 0 ? PositionQuality::kUncertain : PositionQuality::kMeasured;
+  const bool failed = failures_ > 0;
+  const double late = to_seconds(failed ? age : began_ - fresh_at_);
+  const double old = kReadingAge + late;
+  // What 10 ms of acceleration add is less than a count; a late answer may have more.
+  const double faster = settings_.joint.acceleration_max * late * (kReadingAge + late / 2);
+  const double way = failed ? settings_.joint.velocity_max * old + kSnap : speed * old + faster;
+  position.quality = failed ? PositionQuality::kUncertain : PositionQuality::kMeasured;
   position.lower = position.q - uncertainty_ - way;
   position.upper = position.q + uncertainty_ + way;
   return position;

@@ -58,6 +58,8 @@ class Channel {
   std::optional<Error> error() const { return is_out() ? error_ : std::nullopt; }
   /// When this session opened it stood by a stop of its own: the host before was silent.
   bool had_stopped() const { return had_stopped_; }
+  /// Since begin() something answered as another axis: kUnexpectedReply (its number).
+  std::optional<Error> other_axis() const { return other_axis_; }
   void put_out(Error error);
 
   /// Carried out exactly once; goes before setpoints, and takes the place of the last one.
@@ -75,7 +77,10 @@ class Channel {
 
   /// The last fresh one. Without a value before the first.
   const std::optional<State>& state() const { return state_; }
-  const Health& health() const { return facts_.health ? facts_.health->what : kNoHealth; }
+  /// Nothing before the first in this session.
+  std::optional<Health> health() const {
+    return facts_.health ? std::optional(facts_.health->what) : std::nullopt;
+  }
   AxisLinkFacts::Axis facts() const;
   /// Sequence of the last frame that is known to be executed.
   std::uint16_t executed() const { return executed_; }
@@ -114,6 +119,7 @@ class Channel {
   bool clear_ = false;
   bool had_stopped_ = false;
   std::optional<Error> error_;
+  std::optional<Error> other_axis_;
 
   struct Command {
     Mode mode = Mode::kRead;
@@ -129,15 +135,16 @@ class Channel {
   std::optional<std::uint16_t> awaited_;      ///< what a fresh answer to the last frame names
   std::optional<std::uint16_t> sent_before_;  ///< what the frame under way must be answered with
   std::uint16_t executed_ = 0;
-  Instant began_;     ///< the frame under way
-  Instant fresh_at_;  ///< when the frame of `state_` began
-  static constexpr std::size_t kRecent = 32;
-  std::array<Instant, kRecent> sent_at_{};  ///< by sequence, modulo kRecent
+  Instant began_;                             ///< the frame under way
+  Instant fresh_at_;                          ///< when the frame of `state_` began
+  static constexpr std::size_t kRecent = 32;  ///< frames that an answer may be behind
+  /// By sequence, modulo the size. The frame under way has its place here too.
+  std::array<Instant, 2 * kRecent> sent_at_{};
+  std::uint64_t late_frames_ = 0;
   int failures_ = 0;
   std::uint64_t failed_frames_ = 0;
 
   std::optional<State> state_;
-  static constexpr Health kNoHealth{};
   AxisLinkFacts::Axis facts_;  ///< identity and health
   double uncertainty_ = 0;
   bool has_zero_ = false;  ///< in this session; it was homed, and positions count from there

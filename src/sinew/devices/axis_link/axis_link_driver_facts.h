@@ -22,6 +22,7 @@ struct AxisLinkFacts {
     std::optional<double> setpoint;    ///< rad, what its last frame asked for
     std::optional<double> zero_shift;  ///< rad
     std::uint64_t failed_frames = 0;
+    std::uint64_t late_frames = 0;  ///< good ones, to an earlier frame than the last
   };
   FixedVector<Axis, kMaxJoints> axes;
   Duration round{};  ///< from one frame of an axis to its next

@@ -157,8 +157,8 @@ TEST(AxisLinkFaults, an_old_answer_is_never_taken_for_a_position) {
   cell.run_for(500ms);
   stale = true;  // the same answer with its good checksum, for ever
   const double seen = cell.driver->positions()[0].q;
-  // For 12 ms it may be a board whose loop is slow; the claim grows meanwhile.
-  for (int i = 0; i < 10; ++i) {
+  // For 8 ms it may be a board whose loop is slow; the claim grows meanwhile.
+  for (int i = 0; i < 6; ++i) {
     cell.run_for(1ms);
     EXPECT_EQ(cell.driver->positions()[0].q, seen);
     EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kMeasured);
@@ -199,6 +199,43 @@ TEST(AxisLinkFaults, a_board_whose_answers_are_late_is_served_like_any_other) {
       2s));
   EXPECT_EQ(cell.driver->health().unexpected, 0U);
   EXPECT_NEAR(cell.axes[0]->q(), from_deg(60), 1e-7);
+}
+
+/// Answers that are always so many frames behind: each is as old as the frame that it names.
+TEST(AxisLinkFaults, an_answer_of_long_ago_is_never_fresh) {
+  for (const std::size_t behind : {1U, 7U, 30U, 31U, 32U, 33U, 40U}) {
+    SCOPED_TRACE(behind);
+    LinkCell cell(1);
+    cell.open_at(0);
+    cell.late_by = behind;
+    ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
+    for (int i = 0; i < 400; ++i) {
+      cell.run_for(1ms);
+      cell.expect_truth_inside();
+    }
+  }
+}
+
+TEST(AxisLinkFaults, a_failed_frame_makes_a_claim_wider) {
+  LinkCell cell(1);
+  cell.open_at(0);
+  bool damaged = false;
+  cell.disturb = [&](const spi::Transfer&) {
+    LinkFault fault;
+    if (damaged) fault.miso_bit = 7;
+    return fault;
+  };
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
+  cell.run_for(500ms);
+  const auto width = [&] {
+    const JointPosition claim = cell.driver->positions()[0];
+    return claim.upper - claim.lower;
+  };
+  const double before = width();
+  damaged = true;
+  cell.run_for(1ms);
+  EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kUncertain);
+  EXPECT_GT(width(), before);
 }
 
 TEST(AxisLinkFaults, a_failed_frame_does_not_keep_a_motion_from_its_begin) {
@@ -305,7 +342,7 @@ TEST(AxisLinkFaults, swapped_boards_are_found_before_anything_moves) {
   cell.axes[1]->place(0);
   cell.driver->open(cell.now);
   cell.run_for(2s);
-  EXPECT_EQ(cell.failure()->code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(cell.failure()->code, ErrorCode::kUnexpectedReply);
   EXPECT_EQ(cell.driver->state(), DriverState::kFault);
   EXPECT_FALSE(cell.driver->move(cell.move_to(from_deg(1), 1s), cell.now));
 }

@@ -54,7 +54,8 @@ void AxisLinkDriver::step_opening(Instant now) {
   for (Channel& channel : channels_) {
     if (channel.is_up() || channel.is_out() || channel.step() == Channel::Step::kShut) continue;
     if (now - since_ >= timing_.open_timeout) {
-      channel.put_out({ErrorCode::kDeviceSilent, -1, waited, to_seconds(timing_.open_timeout)});
+      const Error silent{ErrorCode::kDeviceSilent, -1, waited, to_seconds(timing_.open_timeout)};
+      channel.put_out(channel.other_axis().value_or(silent));
     } else {
       resolved = false;
     }

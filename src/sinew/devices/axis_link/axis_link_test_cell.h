@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -158,6 +159,7 @@ class LinkCell {
   std::vector<std::vector<spi::Bytes>> sent_frames;
   std::uint64_t frames = 0;
   bool keep_record = true;
+  std::size_t late_by = 0;  ///< transfers by which each answer is behind; of one axis
 
  private:
   void advance(Instant to) {
@@ -209,6 +211,10 @@ class LinkCell {
     if (fault.miso_bit >= 0) flip(miso, fault.miso_bit);
     if (fault.old_reply) return last_miso_;
     last_miso_ = miso;
+    if (late_by == 0) return miso;
+    held_.push_back(miso);
+    miso = held_.front();
+    if (held_.size() > late_by) held_.pop_front();
     return miso;
   }
   static void flip(spi::Bytes& bytes, int bit) {
@@ -216,6 +222,7 @@ class LinkCell {
     byte = static_cast<std::uint8_t>(byte ^ 1U << (bit % 8));
   }
 
+  std::deque<spi::Bytes> held_;
   spi::Bytes last_miso_ = spi::Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 };
 

@@ -14,8 +14,10 @@ FactsJson axis_link_view(const FactsView& view, const DeviceFacts& all) {
   json["axes"] = FactsJson::array();
   for (std::size_t i = 0; i < facts.axes.size(); ++i) {
     const AxisLinkFacts::Axis& axis = facts.axes[i];
-    FactsJson one{
-        {"joint", view.joint(i)}, {"answers", axis.up}, {"failed_frames", axis.failed_frames}};
+    FactsJson one{{"joint", view.joint(i)},
+                  {"answers", axis.up},
+                  {"failed_frames", axis.failed_frames},
+                  {"late_frames", axis.late_frames}};
     if (axis.fault) one["fault"] = view.error(*axis.fault);
     if (axis.state) {
       const State& state = axis.state->what;

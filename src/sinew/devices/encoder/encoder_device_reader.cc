@@ -16,9 +16,10 @@ Magnet magnet_in(std::uint16_t status) {
 
 void EncoderReader::note(const Expected<encoder_link::Reply>& reply) {
   if (!reply) {
-    // A silent POSITION may be a missing magnet: the next request finds out.
-    until_status_ = 0;
     if (++unanswered_ >= kSilentAfter) magnet_ = Magnet::kNoReply;
+    // A silent POSITION may be a missing magnet, which STATUS says. A node that knows only the
+    // document's registers does not answer STATUS.
+    if (!asks_status_ && unanswered_ >= kStatusAfterSilent) until_status_ = 0;
     return;
   }
   unanswered_ = 0;
@@ -26,7 +27,9 @@ void EncoderReader::note(const Expected<encoder_link::Reply>& reply) {
   if (reply->name != Register::kPosition) return;
   position_ = Position{reply->value, asked_at_};
   // A position is there again: so is its magnet.
-  if (!is_detected(magnet_)) until_status_ = 0;
+  if (magnet_ != Magnet::kMissing && magnet_ != Magnet::kNoReply) return;
+  magnet_ = Magnet::kUnknown;
+  until_status_ = 0;
 }
 
 void EncoderReader::receive(std::span<const std::uint8_t> bytes, Instant now) {
@@ -37,11 +40,14 @@ void EncoderReader::receive(std::span<const std::uint8_t> bytes, Instant now) {
 
 std::optional<encoder_link::RequestBytes> EncoderReader::poll(Instant now) {
   if (const auto silence = link_.poll(now)) note(*silence);
-  if (!link_.ready(now)) return std::nullopt;
+  if (!link_.ready(now)) {
+    if (now - asked_at_ > kBabble) magnet_ = Magnet::kNoReply;
+    return std::nullopt;
+  }
   asked_at_ = now;
-  if (--until_status_ >= 0) return link_.ask(Register::kPosition, now);
-  until_status_ = kStatusEach;
-  return link_.ask(Register::kStatus, now);
+  asks_status_ = until_status_ == 0;
+  until_status_ = asks_status_ ? kStatusEach : until_status_ - 1;
+  return link_.ask(asks_status_ ? Register::kStatus : Register::kPosition, now);
 }
 
 std::optional<EncoderReader::Position> EncoderReader::take_position() {

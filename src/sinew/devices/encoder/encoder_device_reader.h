@@ -31,7 +31,10 @@ class EncoderReader {
  private:
   /// Of positions; each 0.1 s at a control cycle of 4 ms.
   static constexpr int kStatusEach = 25;
-  static constexpr int kSilentAfter = 3;  ///< requests without a reply
+  static constexpr int kStatusAfterSilent = 2;  ///< positions without a reply
+  static constexpr int kSilentAfter = 4;        ///< requests without a reply
+  /// A line that is never quiet.
+  static constexpr Duration kBabble = std::chrono::milliseconds(100);
 
   void note(const Expected<encoder_link::Reply>& reply);
 
@@ -39,7 +42,8 @@ class EncoderReader {
       {.reply_timeout = std::chrono::milliseconds(6), .quiet_time = std::chrono::milliseconds(2)}};
   std::optional<Position> position_;
   Instant asked_at_;
-  int until_status_ = 0;
+  bool asks_status_ = false;
+  int until_status_ = 1;  ///< positions to ask for before
   int unanswered_ = 0;
   Magnet magnet_ = Magnet::kUnknown;
 };

@@ -31,7 +31,7 @@ class Line {
     const auto position = reader_.take_position();
     if (const auto request = reader_.poll(now_)) {
       ++requests_;
-      if (connected_) node_.receive(*request, now_);
+      if (connected_ && !(no_status_ && (*request)[1] == 4)) node_.receive(*request, now_);
       std::array<std::uint8_t, 20> bytes{};
       const std::size_t size = node_.take_output(bytes);
       arriving_.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
@@ -49,6 +49,7 @@ class Line {
   EncoderReader reader_;
   std::vector<std::uint8_t> arriving_;
   bool connected_ = true;
+  bool no_status_ = false;  ///< it knows only the document's registers
   int requests_ = 0;
 };
 
@@ -124,6 +125,27 @@ TEST(EncoderReader, an_unplugged_node_is_no_reply_and_is_asked_again) {
   EXPECT_GT(line.requests_, 12);
   line.connected_ = true;
   for (int i = 0; i < 5; ++i) line.cycle();
+  EXPECT_EQ(line.reader_.magnet(), Magnet::kGood);
+}
+
+TEST(EncoderReader, a_node_without_status_serves_too) {
+  Line line;
+  line.no_status_ = true;
+  int positions = 0;
+  for (int i = 0; i < 250; ++i) positions += line.cycle() ? 1 : 0;
+  EXPECT_GT(positions, 210);
+  EXPECT_EQ(line.reader_.magnet(), Magnet::kUnknown);
+}
+
+TEST(EncoderReader, a_line_that_is_never_quiet_is_no_reply) {
+  Line line;
+  for (int i = 0; i < 30; ++i) line.cycle();
+  for (int i = 0; i < 60; ++i) {
+    line.arriving_.assign(10, 0x33);
+    EXPECT_FALSE(line.cycle());
+  }
+  EXPECT_EQ(line.reader_.magnet(), Magnet::kNoReply);
+  for (int i = 0; i < 10; ++i) line.cycle();
   EXPECT_EQ(line.reader_.magnet(), Magnet::kGood);
 }
 

@@ -71,9 +71,11 @@ void EncoderMachine::advance(Instant now) {
 
 Truth EncoderMachine::truth() const {
   Truth truth;
-  const double q = std::remainder(angle_, 2 * kPi);
+  const auto within_turn = [](double angle) { return std::remainder(angle, 2 * kPi); };
   const double qd = blocked_ ? 0 : speed_;
-  truth.joints.push_back({.q = q, .qd = qd, .believed = chip_.counts() * 2 * kPi / As5600::kTurn});
+  truth.joints.push_back({.q = within_turn(angle_),
+                          .qd = qd,
+                          .believed = within_turn(chip_.counts() * 2 * kPi / As5600::kTurn)});
   truth.supply_volts = supply_volts_;
   truth.moving = qd != 0;
   return truth;

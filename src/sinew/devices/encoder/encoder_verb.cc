@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <expected>
 #include <optional>
 #include <utility>
 
@@ -23,9 +25,11 @@ using encoder_link::kTurn;
 using encoder_link::Register;
 
 constexpr int kLooks = 50;              // requests for POSITION
-constexpr double kFastest = 8 * kTurn;  // ticks/s that the link can say
+constexpr double kFastest = 4 * kTurn;  // ticks/s; by hand
 constexpr double kLeastTurn = 0.02;     // of a turn by hand, below which no direction is said
-constexpr double kShownEach = 0.1;      // s
+/// Without a pause of 3 ms for longer, nothing can be asked.
+constexpr Duration kNeverQuiet = std::chrono::milliseconds(500);
+constexpr double kShownEach = 0.1;  // s
 constexpr double kDegPerTick = 360.0 / kTurn;
 
 /// The port with a conversation on it, waited for.
@@ -33,17 +37,27 @@ class NodeLine {
  public:
   explicit NodeLine(io::Port port) : port_(std::move(port)) {}
 
-  /// Nothing where no good reply came in time, or the port is gone.
+  /// Nothing where no good reply came in time, where Ctrl-C was pressed, or the port is gone.
   std::optional<std::uint16_t> ask(Register name) {
-    while (!link_.ready(clock_.now()) && !lost_) read();
-    if (lost_) return std::nullopt;
-    ++asked_;
     const Instant begin = clock_.now();
-    if (const auto sent = port_.write(link_.ask(name, begin)); !sent) lost_ = sent.error().sentence;
-    while (!lost_) {
+    while (!link_.ready(clock_.now())) {
+      read();
+      if (clock_.now() - begin > kNeverQuiet) {
+        trouble_ = "the line is never quiet: another host or another device talks on it";
+      }
+      if (ended()) return std::nullopt;
+    }
+    ++asked_;
+    const Instant sent_at = clock_.now();
+    const auto request = link_.ask(name, sent_at);
+    if (const auto sent = port_.write(request); !sent) trouble_ = sent.error().sentence;
+    echo_left_ = echoes_.value_or(true) ? request.size() : 0;
+    sent_ = request;
+    while (!ended()) {
       if (const auto reply = read()) {
-        slowest_ = std::max(slowest_, clock_.now() - begin);
+        slowest_ = std::max(slowest_, clock_.now() - sent_at);
         ++replies_;
+        if (!echoes_) echoes_ = false;
         return reply->value;
       }
       if (std::exchange(failed_, false)) break;
@@ -56,24 +70,48 @@ class NodeLine {
   int replies() const { return replies_; }
   Duration slowest() const { return slowest_; }
   std::uint64_t stray_bytes() const { return link_.stray_bytes(); }
-  const std::optional<std::string>& lost() const { return lost_; }
+  /// Why there is nothing more to ask.
+  const std::optional<std::string>& trouble() const { return trouble_; }
 
  private:
+  bool ended() const { return trouble_ || io::interrupts() > 0; }
   std::optional<encoder_link::Reply> read() {
     std::array<std::uint8_t, 64> bytes{};
     const auto count = port_.read(bytes, std::chrono::milliseconds(1));
     if (!count) {
-      lost_ = count.error().sentence;
+      trouble_ = count.error().sentence;
       return std::nullopt;
     }
+    std::optional<encoder_link::Reply> good;
     for (std::size_t i = 0; i < *count; ++i) {
-      if (const auto reply = link_.receive(bytes[i], clock_.now())) {
-        failed_ = !reply->has_value();
-        if (*reply) return **reply;
-      }
+      if (is_echo(bytes[i])) continue;
+      const auto reply = link_.receive(bytes[i], clock_.now());
+      if (!reply) continue;
+      failed_ = !reply->has_value();
+      if (*reply) good = **reply;
     }
     if (link_.poll(clock_.now())) failed_ = true;
-    return std::nullopt;
+    return good;
+  }
+  /// Some adapters receive what they send. The first reply begins with the bytes of its request
+  /// only where one does: STATUS never says 55.
+  bool is_echo(std::uint8_t byte) {
+    if (echo_left_ == 0) return false;
+    const std::size_t place = sent_.size() - echo_left_;
+    if (echoes_) {
+      --echo_left_;
+      return *echoes_;
+    }
+    held_[place] = byte;
+    if (byte != sent_[place]) {
+      // No echo: what looked like one was the reply.
+      echoes_ = false;
+      echo_left_ = 0;
+      for (std::size_t i = 0; i < place; ++i) link_.receive(held_[i], clock_.now());
+      return false;
+    }
+    if (--echo_left_ == 0) echoes_ = true;
+    return true;
   }
 
   io::Port port_;
@@ -81,21 +119,25 @@ class NodeLine {
   // An adapter on USB gives bytes on every 16 ms where it is not told otherwise.
   encoder_link::Conversation link_{{.reply_timeout = std::chrono::milliseconds(60)}};
   bool failed_ = false;
+  std::optional<bool> echoes_;  ///< once it is known
+  std::size_t echo_left_ = 0;
+  encoder_link::RequestBytes sent_{}, held_{};
   int asked_ = 0;
   int replies_ = 0;
   Duration slowest_{};
-  std::optional<std::string> lost_;
+  std::optional<std::string> trouble_;
 };
 
 /// Follows the shaft while it is turned by hand.
-void watch(NodeLine& line, double seconds, Outcome& outcome) {
+/// @error  a sentence: no direction can be said
+std::expected<void, std::string> watch(NodeLine& line, double seconds, Outcome& outcome) {
   encoder_link::Unwrap unwrap(kFastest);
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
   const bool live = io::stderr_is_terminal();
   const Instant begin = line.now();
   double shown = 0;
-  while (to_seconds(line.now() - begin) < seconds && io::interrupts() == 0 && !line.lost()) {
+  while (to_seconds(line.now() - begin) < seconds && io::interrupts() == 0 && !line.trouble()) {
     const auto position = line.ask(Register::kPosition);
     if (!position || *position >= kTurn) continue;
     const auto ticks = unwrap.update(*position, line.now());
@@ -109,12 +151,19 @@ void watch(NodeLine& line, double seconds, Outcome& outcome) {
                  static_cast<double>(last - *first) * kDegPerTick);
   }
   if (live) std::fputs("\n", stderr);
-  const double turned = first ? static_cast<double>(last - *first) * kDegPerTick : 0;
+  if (!first) return std::unexpected("no position came while the shaft was watched");
+  if (!unwrap.certain()) {
+    return std::unexpected(
+        "replies were lost while the shaft was watched, so its direction is not known: check the "
+        "cable, and turn it slowly");
+  }
+  const double turned = static_cast<double>(last - *first) * kDegPerTick;
   const bool moved = std::abs(turned) >= kLeastTurn * 360;
   outcome.json["turned_deg"] = turned;
   outcome.text += moved ? fmt::format("  turned {:+.1f} deg: this direction counts {}\n", turned,
                                       turned > 0 ? "up" : "down")
                         : "  the shaft was not turned\n";
+  return {};
 }
 
 std::string advice(Magnet magnet) {
@@ -145,10 +194,10 @@ struct Readings {
 std::optional<Readings> read_registers(NodeLine& line) {
   auto status = line.ask(Register::kStatus);
   // One lost reply is no silence.
-  if (!status && !line.lost()) status = line.ask(Register::kStatus);
+  if (!status && !line.trouble() && io::interrupts() == 0) status = line.ask(Register::kStatus);
   if (!status) return std::nullopt;
   Readings readings{.status = *status};
-  for (int i = 0; i < kLooks && !line.lost() && io::interrupts() == 0; ++i) {
+  for (int i = 0; i < kLooks && !line.trouble() && io::interrupts() == 0; ++i) {
     const auto one = line.ask(Register::kPosition);
     if (one) readings.position = one;
     if (!one) ++readings.lost_positions;
@@ -196,12 +245,16 @@ Outcome examine_encoder(const EncoderRequest& request) {
   io::catch_interrupts();
   NodeLine line(std::move(*port));
   const auto readings = read_registers(line);
-  if (line.lost()) return could_not(*line.lost());
+  if (line.trouble()) return could_not(request.port + ": " + *line.trouble());
+  if (io::interrupts() > 0) return could_not("stopped before everything was asked");
   if (!readings) {
-    return could_not(fmt::format(
-        "{}: no encoder node replies at {} baud: check its supply, and A and B of RS-485 (try "
-        "them swapped)",
-        request.port, kEncoderBaud));
+    const std::string others =
+        line.stray_bytes() == 0
+            ? std::string(": check its supply, and A and B of RS-485 (try them swapped)")
+            : fmt::format("; {} other bytes came: another host on this line, or another device",
+                          line.stray_bytes());
+    return could_not(fmt::format("{}: no encoder node replies at {} baud{}", request.port,
+                                 kEncoderBaud, others));
   }
   Outcome outcome;
   outcome.json["port"] = request.port;
@@ -210,12 +263,14 @@ Outcome examine_encoder(const EncoderRequest& request) {
   outcome.json["requests"] = line.asked();
   // Without a position POSITION is silent, which is no lost reply.
   outcome.json["lost_replies"] = readings->position ? readings->lost_positions : 0;
-  outcome.json["slowest_reply_ms"] = to_seconds(line.slowest()) * 1e3;
+  outcome.json["slowest_reply_ms"] = std::round(to_seconds(line.slowest()) * 1e4) / 10;
   outcome.text += fmt::format("  replies: {} of {}, the slowest after {:.1f} ms\n", line.replies(),
                               line.asked(), to_seconds(line.slowest()) * 1e3);
-  if (readings->position && request.watch_s > 0) watch(line, request.watch_s, outcome);
-  if (line.lost()) return could_not(*line.lost());
-  const std::string trouble = advice(magnet_in(readings->status));
+  std::string trouble = advice(magnet_in(readings->status));
+  if (readings->position && request.watch_s > 0) {
+    if (const auto seen = watch(line, request.watch_s, outcome); !seen) trouble = seen.error();
+  }
+  if (line.trouble()) return could_not(request.port + ": " + *line.trouble());
   if (trouble.empty()) return outcome;
   outcome.exit = ExitCode::kCouldNot;
   outcome.complaint = request.port + ": " + trouble;

@@ -36,6 +36,7 @@ void put_axes(Json& all) {
       told("Of one axis board, as its registers or its link tell it.",
            object({{"joint", text()}, {"answers", flag()}},
                   {{"failed_frames", whole()},
+                   {"late_frames", whole()},
                    {"fault", ref("Error")},
                    {"age_s", number()},
                    {"position_rad", number()},
