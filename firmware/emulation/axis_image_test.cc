@@ -340,6 +340,65 @@ TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {
   EXPECT_GT(kept, 10);
 }
 
+/// A joint that needs all the steps that a board can make: 64 microsteps, 60 deg/s.
+class QuickImage : public ::testing::TestWithParam<Stm32Chip> {
+ protected:
+  static RobotModel quick() {
+    RobotModel model = test::robot("robot-arm-2");
+    Joint& joint = model.joints[kShoulder];
+    joint.velocity_max = from_deg(59);
+    joint.acceleration_max = from_deg(150);
+    joint.jerk_max = from_deg(1500);
+    model.dynamics.drives[kShoulder].microsteps = 64;
+    (*model.device.settings->own_boards())[kShoulder].step_rate_max = kStepRateMost;
+    return model;
+  }
+  RobotModel model = quick();
+  AxisBench bench{GetParam(), model, kShoulder, model.joints[kShoulder].lower + from_deg(4), 1};
+};
+INSTANTIATE_TEST_SUITE_P(, QuickImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
+                         [](const auto& chip) {
+                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
+                         });
+
+TEST_P(QuickImage, makes_each_step_in_time_at_its_highest_rate) {
+  bench.set_up();
+  ASSERT_TRUE(bench.open() && bench.home()) << int{bench.state.fault};
+  std::vector<double> rises;  // s
+  const double cycle = 1.0 / bench.chip.core().clock_hz();
+  double shortest_high = 1;
+  const auto counted = bench.chip.timers().on_pulse;
+  bench.chip.timers().on_pulse = [&](Cycles at, bool high) {
+    const double now = static_cast<double>(at) * cycle;
+    if (high) rises.push_back(now);
+    if (!high && !rises.empty()) shortest_high = std::min(shortest_high, now - rises.back());
+    counted(at, high);
+  };
+  const double target = bench.setup.axis.homing.clear_angle + from_deg(60);
+  const std::int64_t before = bench.steps;
+  const double from = bench.told();
+  ASSERT_TRUE(bench.send(Mode::kMove, target));
+  ASSERT_TRUE(bench.read_until([&] { return !bench.state.moving; }, 20));
+  EXPECT_EQ(bench.state.fault, 0);
+  const double per_rad = bench.setup.axis.steps_per_rad();
+  EXPECT_NEAR(static_cast<double>(bench.steps - before), (target - from) * per_rad,
+              bench.setup.axis.position_tolerance * per_rad)
+      << "but for what its loop held against";
+  // A step is due half way between its neighbours: its own pace changes by less than 0.1 us there.
+  double quickest = 1, latest = 0;
+  for (std::size_t i = 1; i + 1 < rises.size(); ++i) {
+    const double pace = (rises[i + 1] - rises[i - 1]) / 2;
+    quickest = std::min(quickest, pace);
+    if (pace < 1 / 30e3) latest = std::max(latest, std::abs(rises[i] - rises[i - 1] - pace));
+  }
+  std::printf(
+      "  %zu steps, up to %.0f a second, %.2f us off their time at most, pulses of %.2f us\n",
+      rises.size(), 1 / quickest, latest * 1e6, shortest_high * 1e6);
+  EXPECT_GT(1 / quickest, 34e3);
+  EXPECT_LT(latest, 2e-6);
+  EXPECT_GE(shortest_high, 4.9e-6);
+}
+
 /// A joint whose AS5600 is read over RS-485, by its node.
 class NodeImage : public ::testing::TestWithParam<Stm32Chip> {
  protected:

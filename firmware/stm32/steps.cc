@@ -13,9 +13,10 @@ constexpr std::uint32_t kPrescaler = 8;
 constexpr std::uint32_t kTimerHz = chip::kClockHz / kPrescaler;
 constexpr std::uint32_t kTickCounts = kTimerHz / 1000 * Steps::kTick.count();
 static_assert(kTickCounts <= 0xFFFF && Steps::kPulsesMax <= 256);  // widths of counter and RCR
-/// Between the last pulse of a tick and the next tick: TIM1 must have stopped.
-constexpr std::uint32_t kGap = 4;
-constexpr std::uint32_t kPulse = kTimerHz / 200'000;  // 5 us; the slowest usual drivers need 2.5
+constexpr std::uint32_t kTickCycles = kTickCounts * kPrescaler;
+/// Cycles between the last pulse of a tick and the next tick: TIM1 must have stopped.
+constexpr std::uint32_t kGap = 32;
+constexpr std::uint32_t kPulse = chip::kClockHz / 200'000;  // 5 us; slow drivers need 2.5
 
 constexpr std::uint32_t kEnabled = 1;                 // CR1: CEN
 constexpr std::uint32_t kOnePulse = 1U << 3;          // CR1: OPM
@@ -119,9 +120,13 @@ void Steps::load(std::int32_t pulses) {
     return;
   }
   const auto count = static_cast<std::uint32_t>(pulses < 0 ? -pulses : pulses);
-  const std::uint32_t period = (kTickCounts - kGap) / count;
+  // As fine as its 16 bits allow: what a tick cannot be divided into evenly is left at its end.
+  std::uint32_t prescaler = kPrescaler;
+  while (prescaler > 1 && kTickCycles / count / (prescaler / 2) <= 0xFFFF) prescaler /= 2;
+  const std::uint32_t period = (kTickCycles - kGap) / count / prescaler;
+  tim1().psc = prescaler - 1;
   tim1().arr = period - 1;
-  tim1().ccr1 = period - std::min(kPulse, period / 2);
+  tim1().ccr1 = period - std::min(kPulse / prescaler, period / 2);
   tim1().rcr = count - 1;
   // While TIM1 runs it takes these over by itself, when its last pulse is made.
   if (running_ == 0) tim1().egr = kLoadNow;

@@ -9,8 +9,9 @@ namespace sinew::stm32 {
 ///
 /// TIM4 cuts time into ticks. Its update starts TIM1 by hardware, which makes the pulses of a tick,
 /// evenly, and stops by itself (one-pulse mode with its repetition counter). The interrupt of each
-/// tick loads the next one. TIM3 counts the pulses. All three count an eighth of the processor's
-/// clock, 0.1 us.
+/// tick loads the next one. TIM3 counts the pulses. TIM1 counts the processor's clock, or as much
+/// of it as its 16 bits allow; the rest of a tick that is no whole number of its counts comes at
+/// the end: no step is more than 3 us early, and none is late.
 ///
 /// Between two ticks with pulses of different direction there is one without, so that the
 /// direction stands for a tick before and behind.

@@ -72,6 +72,12 @@ name = "big"
 robot = "bigrobotarm"
 wire = "framed"
 x_mm = 9000
+
+[[robot]]
+name = "axes"
+robot = "robot-arm-2"
+wire = "link"
+x_mm = 12000
 `);
 });
 after(async () => {
@@ -108,6 +114,17 @@ test('a BigRobotArm with our firmware: its steps, what they count from, its port
   const told = await ask('device.status', { robot: 'big' });
   assert.deepEqual(told.arm.joints.map((one) => one.steps), [0, 0, 0, 0, 0]);
   await here.close(page, 'device_arm_link');
+});
+
+test('boards of the axis link: the magnets of their encoders, and how their answers came', async () => {
+  const page = await at('axes');
+  await page.evaluate(() => void globalThis.__sinew.store.enable('axes'));
+  await part(page, 'base').getByText('motor good', { exact: true }).waitFor();
+  await part(page, 'forearm_roll').getByText('motor good, joint good').waitFor();
+  const { axes } = (await ask('device.status', { robot: 'axes' }));
+  assert.deepEqual(axes.map((axis) => axis.health.joint_magnet), [undefined, undefined, undefined, 'good', 'good', 'good']);
+  assert.ok(axes.every((axis) => axis.late_frames === 0 && axis.failed_frames < 8));
+  await here.close(page, 'device_axis_link');
 });
 
 test('a hexapod with a failing supply: flags, twelve bytes and what to do, as the machine has them', async () => {

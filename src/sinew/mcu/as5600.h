@@ -4,6 +4,7 @@
 
 // The angle sensor AS5600, data sheet v1-06: what its readers share. C11, also for the STM8.
 
+// NOLINTNEXTLINE(performance-enum-size)
 enum {
   kAs5600Address = 0x36,  // on I2C, 7 bits
   // STATUS is followed by RAW ANGLE, so one reading of three bytes from here belongs together. The

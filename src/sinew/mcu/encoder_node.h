@@ -10,6 +10,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+// NOLINTBEGIN(modernize-use-using,performance-enum-size): this is C
 
 enum {
   kEncoderNodeStale = 5,     // ms without a good reading until there is no position
@@ -75,6 +76,7 @@ void encoder_node_sample(EncoderNode* node, const uint8_t* chip, uint8_t elapsed
 /// hide it.
 bool encoder_node_receive(EncoderNode* node, uint8_t byte, uint8_t* reply);
 
+// NOLINTEND(modernize-use-using,performance-enum-size)
 #ifdef __cplusplus
 }
 #endif

@@ -232,6 +232,8 @@ class LinkReader : public WireReader {
                 if (m.temperature_c01) {
                   health.fields.push_back(real("temperature_c", *m.temperature_c01 / 100.0));
                 }
+                health.fields.push_back(word("motor_magnet", magnet_word(m.motor_magnet)));
+                health.fields.push_back(word("joint_magnet", magnet_word(m.joint_magnet)));
                 return health;
               },
               [](const SetupWord& m) {

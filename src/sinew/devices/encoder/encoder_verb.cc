@@ -142,7 +142,7 @@ std::expected<void, std::string> watch(NodeLine& line, double seconds, Outcome& 
     if (!position || *position >= kTurn) continue;
     const auto ticks = unwrap.update(*position, line.now());
     if (!ticks) continue;
-    if (!first) first = *ticks;
+    if (!first) first = ticks;
     last = *ticks;
     const double at = to_seconds(line.now() - begin);
     if (!live || at < shown) continue;
