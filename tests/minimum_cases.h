@@ -68,7 +68,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"vision_test", 81},
     {"web_test", 11},
     {"wire_test", 14},
-    {"firmware_test", 47},
+    {"firmware_test", 46},
     {"mcu_test", 43},
     {"mega_test", 32},
     {"arduino_test", 53},

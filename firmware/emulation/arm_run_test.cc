@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
 #include "cli/process.h"
@@ -49,7 +52,7 @@ class EmulatedArmRun : public ::testing::Test {
   RobotModel model_;
 };
 
-TEST_F(EmulatedArmRun, six_boards_run_a_program_and_their_pulses_draw_its_lines) {
+TEST_F(EmulatedArmRun, six_boards_run_a_program_draw_its_lines_by_their_pulses_and_stop) {
   const auto& geometry = std::get<SerialGeometry>(model_.geometry);
   const kinematics::SerialArm tool(geometry, model_.joints, kinematics::tool_pose(geometry));
   const std::array start{0.0, 0.0, from_deg(-2), 0.0, from_deg(3), 0.0};
@@ -70,14 +73,38 @@ TEST_F(EmulatedArmRun, six_boards_run_a_program_and_their_pulses_draw_its_lines)
                      "mm speed=20mm/s\nline x=" + number_text(end.x * 1e3) + "mm speed=20mm/s\n");
   const Ended ran =
       test::sinew({"run", program, "--robot", file_, "--port", socket.port(), "--json"});
+  const std::size_t end_of_program = socket.ticks();
+  // The next program is stopped on its path.
+  const std::int64_t before = socket.first_axis();
+  test::Process next({"run", folder_.file("n.sinew", "joint base=5deg\n"), "--robot", file_,
+                      "--port", socket.port(), "--json"});
+  const double per_degree = from_deg(model_.dynamics.drives[0].steps_per_rad());
+  while (std::abs(static_cast<double>(socket.first_axis() - before)) < per_degree) {
+    next.let_run(std::chrono::milliseconds(5));
+    ASSERT_LT(socket.ticks(), end_of_program + 20'000);
+  }
+  next.signal(SIGINT);
+  const Ended stopped = next.end();
   socket.end();
   ASSERT_EQ(ran.exit, 0) << ran.err << ran.out;
   ASSERT_FALSE(arm.broken()) << *arm.broken();
+  EXPECT_NE(stopped.exit, 0);
+  const double moved = static_cast<double>(socket.steps().back()[0] - before) / per_degree;
+  EXPECT_LT(std::abs(moved), 4.5) << "it was stopped before its end";
+  EXPECT_NEAR(stopped.json()["positions"][0]["q_deg"].get<double>(), moved, 0.5);
+  // Nothing moves behind the stop.
+  const auto& all = socket.steps();
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    EXPECT_NEAR(static_cast<double>(all.back()[axis]),
+                static_cast<double>(all[all.size() - 20][axis]), 3)
+        << axis;
+  }
 
   // Where the pulses say that the tool is; they end where the program does.
   std::vector<Vec3> path;
-  const auto last = socket.steps().back();
-  for (const ArmSocket::Steps& steps : socket.steps()) {
+  const std::span program_steps(socket.steps().data(), end_of_program);
+  const ArmSocket::Steps& last = program_steps.back();
+  for (const ArmSocket::Steps& steps : program_steps) {
     JointVector q = q_end;
     for (std::size_t i = 0; i < q.size(); ++i) {
       const double per_rad = model_.dynamics.drives[i].steps_per_rad();

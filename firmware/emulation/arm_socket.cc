@@ -29,6 +29,8 @@ void ArmSocket::serve(EmulatedArm& arm, const RobotModel& model) {
     Steps now{};
     for (std::size_t i = 0; i < now.size(); ++i) now[i] = arm.board(i).steps;
     steps_.push_back(now);
+    first_axis_ = now[0];
+    ticks_ = steps_.size();
   };
   sim::SimwireServer server(arm, boards_of(model.device), "emulated");
   runtime::ByteLog log;

@@ -25,6 +25,10 @@ class ArmSocket {
 
   /// As a host names it.
   std::string port() const { return "simwire:unix:" + path_; }
+  /// Of the first axis, now.
+  std::int64_t first_axis() const { return first_axis_; }
+  /// Milliseconds that have passed.
+  std::size_t ticks() const { return ticks_; }
   /// Ends the serving.
   void end();
   /// Of each millisecond; after end().
@@ -35,6 +39,8 @@ class ArmSocket {
 
   std::string path_;
   std::vector<Steps> steps_;
+  std::atomic<std::int64_t> first_axis_ = 0;
+  std::atomic<std::size_t> ticks_ = 0;
   std::atomic<bool> listens_ = false;
   std::atomic<bool> ends_ = false;
   std::thread thread_;
