@@ -47,6 +47,21 @@ class EmulatedArmRun : public ::testing::Test {
     model_ = std::move(*read);
   }
 
+  /// Where the pulses say that the tool is; they end where the program does, at q_end.
+  std::vector<Vec3> tool_path(std::span<const ArmSocket::Steps> all, const JointVector& q_end,
+                              const kinematics::SerialArm& tool) const {
+    std::vector<Vec3> path;
+    for (const ArmSocket::Steps& steps : all) {
+      JointVector q = q_end;
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        const double per_rad = model_.dynamics.drives[i].steps_per_rad();
+        q[i] += static_cast<double>(steps[i] - all.back()[i]) / per_rad;
+      }
+      path.push_back(tool.forward({q.data(), q.size()}).p);
+    }
+    return path;
+  }
+
   test::ScratchFolder folder_;
   std::string file_ = test::small_robot_arm_2(folder_, true);
   RobotModel model_;
@@ -100,18 +115,7 @@ TEST_F(EmulatedArmRun, six_boards_run_a_program_draw_its_lines_by_their_pulses_a
         << axis;
   }
 
-  // Where the pulses say that the tool is; they end where the program does.
-  std::vector<Vec3> path;
-  const std::span program_steps(socket.steps().data(), end_of_program);
-  const ArmSocket::Steps& last = program_steps.back();
-  for (const ArmSocket::Steps& steps : program_steps) {
-    JointVector q = q_end;
-    for (std::size_t i = 0; i < q.size(); ++i) {
-      const double per_rad = model_.dynamics.drives[i].steps_per_rad();
-      q[i] += static_cast<double>(steps[i] - last[i]) / per_rad;
-    }
-    path.push_back(tool.forward({q.data(), q.size()}).p);
-  }
+  const auto path = tool_path({socket.steps().data(), end_of_program}, q_end, tool);
   // The lines begin when the tool leaves their first point.
   const auto leaves = std::ranges::find_if(path.rbegin(), path.rend(), [&](const Vec3& point) {
                         return norm(point - begin) < 1e-4;
