@@ -40,7 +40,7 @@ bool read_capability(TableReader& reader, const DeviceTable& table, RobotModel& 
   }
   if (device.capability.motion == MotionKind::kStream) {
     std::int64_t segment_ms = 0;
-    reader.integer("segment_ms", 1, table.segment_ms_max, segment_ms);
+    reader.integer("segment_ms", table.segment_ms_min, table.segment_ms_max, segment_ms);
     device.capability.segment = std::chrono::milliseconds(segment_ms);
   }
   return true;

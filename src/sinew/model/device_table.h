@@ -17,6 +17,7 @@ struct DeviceTable {
   bool serial_port = false;         ///< it runs over one
   std::size_t joints = 0;           ///< how many it drives; 0: any
   bool slides = false;              ///< it drives an arm's prismatic joint
+  std::int64_t segment_ms_min = 1;
   std::int64_t segment_ms_max = 0;  ///< of a streamed motion
   HandDrive hand = HandDrive::kNone;
 };

@@ -63,6 +63,7 @@ const DeviceKind kArmLinkKind{
     .table = {.protocol = "arm_link",
               .serial_port = true,
               .joints = kBigRobotArmJoints,
+              .segment_ms_min = 10,
               .segment_ms_max = 1000,
               .hand = HandDrive::kServo},
     .read = read_arm_link,

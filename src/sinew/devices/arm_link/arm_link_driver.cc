@@ -363,9 +363,9 @@ Expected<void> ArmLinkDriver::nudge(std::size_t joint, double way, Duration dura
   if (const auto may = may_begin(); !may) return may;
   const double steps = std::round(way * device_.arm.joints[joint].steps_per_rad);
   // Written so that NaN is refused too.
-  if (!(std::abs(steps) >= 1 && std::abs(way) <= kNudgeMax) || !facts_.state) {
-    return std::unexpected(
-        Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way, kNudgeMax});
+  if (!(std::abs(steps) >= 1 && std::abs(way) <= BigRobotArmDevice::kNudgeMax) || !facts_.state) {
+    return std::unexpected(Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way,
+                                 BigRobotArmDevice::kNudgeMax});
   }
   // As the joint may at most: a cubic's peak speed is 1.5 times its mean, and it begins with 6 way
   // / T^2.

@@ -104,7 +104,6 @@ class ArmLinkDriver : public ByteDriver {
   static constexpr std::size_t kPieces = 2;
   static constexpr int kPieceMs = 20;
   static constexpr int kAsksMax = 5;  ///< of one thing that the board does not carry out
-  static constexpr double kNudgeMax = from_deg(5);  ///< rad
 
   Expected<void> may_begin() const;
   void say_hello(Instant now);

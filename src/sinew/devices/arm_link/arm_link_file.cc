@@ -13,9 +13,7 @@ void read_arm_link(TableReader& reader, RobotModel& model) {
   reader.integer("deadline_ms", 20, 500, deadline_ms);
   device.deadline = std::chrono::milliseconds(deadline_ms);
   reader.integer("gripper_max", 0, 180, device.arm.gripper_max);
-  constexpr double kNudgeMax = from_deg(5);
-  reader.quantity("nudge_*_max", kAngle, above_zero_to(kNudgeMax),
-                  model.device.capability.nudge_max);
+  read_nudge(reader, model);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     read_motor(table, device.arm.joints[i]);
   });

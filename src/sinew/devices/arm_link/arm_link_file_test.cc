@@ -46,6 +46,12 @@ TEST(ArmLinkFile, complains_about_what_the_board_cannot_be_told) {
   EXPECT_FALSE(read_robot(file(501, 180), "x.toml"));
   EXPECT_FALSE(read_robot(file(200, 181), "x.toml"));
   EXPECT_FALSE(read_robot(file(200, 180, "multiplier_max = 300\n"), "x.toml"));
+  // The board's slices are 1 ms, and its port carries a segment each 10 ms.
+  for (const auto& [segment, fine] : {std::pair("9", false), std::pair("10", true)}) {
+    const std::string text = std::regex_replace(file(200, 180), std::regex("segment_ms = 20"),
+                                                "segment_ms = " + std::string(segment));
+    EXPECT_EQ(read_robot(text, "x.toml").has_value(), fine) << segment;
+  }
 }
 
 }  // namespace

@@ -438,9 +438,9 @@ Expected<void> BigRobotArmDriver::nudge(std::size_t joint, double way, Duration 
   if (const auto ready = check_ready(); !ready) return ready;
   const double steps = way * device_.joints[joint].steps_per_rad;
   // Written so that NaN is refused too.
-  if (!(std::abs(steps) >= 0.5 && std::abs(way) <= kNudgeMax)) {
-    return std::unexpected(
-        Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way, kNudgeMax});
+  if (!(std::abs(steps) >= 0.5 && std::abs(way) <= BigRobotArmDevice::kNudgeMax)) {
+    return std::unexpected(Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way,
+                                 BigRobotArmDevice::kNudgeMax});
   }
   for (std::size_t i = 0; i < kJoints; ++i) {
     q_target_[i] = belief_.offset()[i] + belief_.steps()[i] / device_.joints[i].steps_per_rad;

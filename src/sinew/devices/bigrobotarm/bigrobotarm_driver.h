@@ -60,8 +60,6 @@ struct BigRobotArmTiming {
 /// All members are @rt.
 class BigRobotArmDriver : public ByteDriver {
  public:
-  static constexpr double kNudgeMax = from_deg(5);  ///< rad
-
   /// @param joints  five: limits, and the speeds and accelerations that no move exceeds.
   BigRobotArmDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
                     const BigRobotArmTiming& timing = {});

@@ -11,6 +11,11 @@ void read_motor(TableReader& table, BigRobotArmJoint& joint) {
   table.number("steps_per_motor_rev", between(1, 1e6), joint.steps_per_motor_rev);
 }
 
+void read_nudge(TableReader& reader, RobotModel& model) {
+  reader.quantity("nudge_*_max", kAngle, above_zero_to(BigRobotArmDevice::kNudgeMax),
+                  model.device.capability.nudge_max);
+}
+
 void read_bigrobotarm(TableReader& reader, RobotModel& model) {
   struct Wire {
     BigRobotArmWire wire = BigRobotArmWire::kByte;
@@ -32,9 +37,7 @@ void read_bigrobotarm(TableReader& reader, RobotModel& model) {
   device.probe_wire = wire.probe;
   reader.integer("multiplier_max", 1, kMaxMultiplier, device.multiplier_max);
   reader.integer("gripper_max", 0, 255, device.gripper_max);
-  constexpr double kNudgeMax = from_deg(5);
-  reader.quantity("nudge_*_max", kAngle, above_zero_to(kNudgeMax),
-                  model.device.capability.nudge_max);
+  read_nudge(reader, model);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     BigRobotArmJoint& joint = device.joints[i];
     read_motor(table, joint);

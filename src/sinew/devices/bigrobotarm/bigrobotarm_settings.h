@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sinew/core/units.h"
 #include "sinew/model/device_settings.h"
 
 namespace sinew {
@@ -26,6 +27,8 @@ enum class BigRobotArmWire : std::uint8_t { kByte, kText };
 enum class BigRobotArmDialect : std::uint8_t { k2021, k2026 };
 
 struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
+  static constexpr double kNudgeMax = from_deg(5);  ///< rad, on each of its wires
+
   BigRobotArmJoints joints;
   BigRobotArmWire wire = BigRobotArmWire::kByte;
   BigRobotArmDialect dialect = BigRobotArmDialect::k2021;  ///< of the text wire
