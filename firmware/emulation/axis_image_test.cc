@@ -48,9 +48,7 @@ class AxisImage : public ::testing::TestWithParam<Stm32Chip> {
   AxisBench bench;
 };
 INSTANTIATE_TEST_SUITE_P(, AxisImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
-                         [](const auto& chip) {
-                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
-                         });
+                         [](const auto& chip) { return name_of(chip.param); });
 
 TEST_P(AxisImage, homes_and_follows_a_stream) {
   ASSERT_TRUE(ready()) << bench.broken.value_or("not homed") << int{bench.state.fault};
@@ -357,9 +355,7 @@ class QuickImage : public ::testing::TestWithParam<Stm32Chip> {
   AxisBench bench{GetParam(), model, kShoulder, model.joints[kShoulder].lower + from_deg(4), 1};
 };
 INSTANTIATE_TEST_SUITE_P(, QuickImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
-                         [](const auto& chip) {
-                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
-                         });
+                         [](const auto& chip) { return name_of(chip.param); });
 
 TEST_P(QuickImage, makes_each_step_in_time_at_its_highest_rate) {
   bench.set_up();
@@ -429,9 +425,7 @@ class NodeImage : public ::testing::TestWithParam<Stm32Chip> {
   AxisBench bench{GetParam(), model, kForearm, model.joints[kForearm].lower + from_deg(4), 1};
 };
 INSTANTIATE_TEST_SUITE_P(, NodeImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
-                         [](const auto& chip) {
-                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
-                         });
+                         [](const auto& chip) { return name_of(chip.param); });
 
 TEST_P(NodeImage, homes_and_moves_with_the_joints_sensor_on_rs485) {
   ASSERT_TRUE(ready()) << bench.broken.value_or("not homed") << int{bench.state.fault};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "firmware/emulation/stm32.h"
@@ -12,6 +13,11 @@
 #include "sinew/devices/encoder/encoder_machine.h"
 
 namespace sinew::emulation {
+
+/// As tests are named by it.
+inline std::string name_of(Stm32Chip chip) {
+  return chip == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
+}
 
 /// An AS5600, as its I2C bus sees it.
 class AngleChip : public I2cChip {
@@ -102,8 +108,7 @@ class EmulatedBoard {
   EmulatedBoard& operator=(const EmulatedBoard&) = delete;
 
   static std::filesystem::path image(Stm32Chip which) {
-    return std::filesystem::path(SINEW_IMAGES) /
-           (which == Stm32Chip::kF103 ? "axis-stm32f103.bin" : "axis-stm32f401.bin");
+    return std::filesystem::path(SINEW_IMAGES) / ("axis-" + name_of(which) + ".bin");
   }
 
   /// Another program has written its setup.

@@ -389,9 +389,7 @@ TEST_P(Conformance, axis_link) {
 class ImageAgainstHostBuild : public ::testing::TestWithParam<Stm32Chip> {};
 INSTANTIATE_TEST_SUITE_P(, ImageAgainstHostBuild,
                          ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
-                         [](const auto& chip) {
-                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
-                         });
+                         [](const auto& chip) { return name_of(chip.param); });
 
 /// A header that may be spoilt. HOMING is left out: a motion is another one on either side.
 Bytes random_header(test::Random& random, std::uint16_t& id, registers::Operation operation) {

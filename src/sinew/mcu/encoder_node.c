@@ -5,22 +5,7 @@
 
 #include "sinew/mcu/as5600.h"
 
-enum {
-  kStart = 0xAA,
-  kEnd = 0x55,
-  kPosition = 1,
-  kVelocity = 2,
-  kAcceleration = 3,
-  kStatus = 4,
-  kStatusFresh = 1 << 0,
-  kStatusMagnet = 1 << 1,
-  kStatusTooWeak = 1 << 2,
-  kStatusTooStrong = 1 << 3,
-  kStatusBusError = 1 << 4,
-  kStatusRestarted = 1 << 5,
-  kStatusSettled = 1 << 6,
-  kLargest = 32767,
-};
+enum { kLargest = 32767 };
 
 // 2^-20 ticks a ms and ms^2: far beyond what 16 bits of the link say, far below an overflow.
 #define SPEED_MAX ((int32_t)1000 << 20)
@@ -111,30 +96,30 @@ void encoder_node_sample(EncoderNode* node, const uint8_t* chip, uint8_t elapsed
 
 static uint16_t status_of(const EncoderNode* node) {
   uint16_t value = (uint16_t)((uint16_t)node->bus_errors << 8);
-  if (node->state != kEncoderBlind) value |= kStatusFresh;
-  if (node->state == kEncoderSettled) value |= kStatusSettled;
-  if (node->chip_status & kAs5600MagnetDetected) value |= kStatusMagnet;
-  if (node->chip_status & kAs5600MagnetTooWeak) value |= kStatusTooWeak;
-  if (node->chip_status & kAs5600MagnetTooStrong) value |= kStatusTooStrong;
-  if (node->bus_error) value |= kStatusBusError;
-  if (node->restarted) value |= kStatusRestarted;
+  if (node->state != kEncoderBlind) value |= kEncoderFresh;
+  if (node->state == kEncoderSettled) value |= kEncoderHasSpeed;
+  if (node->chip_status & kAs5600MagnetDetected) value |= kEncoderMagnet;
+  if (node->chip_status & kAs5600MagnetTooWeak) value |= kEncoderTooWeak;
+  if (node->chip_status & kAs5600MagnetTooStrong) value |= kEncoderTooStrong;
+  if (node->bus_error) value |= kEncoderBusError;
+  if (node->restarted) value |= kEncoderRestarted;
   return value;
 }
 
 /// False where the register has no value now, or does not exist.
 static bool value_of(EncoderNode* node, uint8_t name, uint16_t* value) {
-  if (name == kStatus) {
+  if (name == kEncoderStatus) {
     *value = status_of(node);
     node->restarted = false;
     return true;
   }
-  if (name == kPosition) {
+  if (name == kEncoderPosition) {
     *value = node->position;
     return node->state != kEncoderBlind;
   }
-  if (name != kVelocity && name != kAcceleration) return false;
-  *value = (uint16_t)(name == kVelocity ? shaft_filter_speed(&node->filter)
-                                        : shaft_filter_acceleration(&node->filter));
+  if (name != kEncoderVelocity && name != kEncoderAcceleration) return false;
+  *value = (uint16_t)(name == kEncoderVelocity ? shaft_filter_speed(&node->filter)
+                                               : shaft_filter_acceleration(&node->filter));
   return node->state == kEncoderSettled;
 }
 
@@ -147,12 +132,12 @@ bool encoder_node_receive(EncoderNode* node, uint8_t byte, uint8_t* reply) {
   name = node->held[1];
   node->held[0] = name;
   node->held[1] = byte;
-  if (start != kStart || byte != kEnd || !value_of(node, name, &value)) return false;
+  if (start != kEncoderStart || byte != kEncoderEnd || !value_of(node, name, &value)) return false;
   node->held[0] = node->held[1] = 0;
-  reply[0] = kStart;
+  reply[0] = kEncoderStart;
   reply[1] = name;
   reply[2] = (uint8_t)(value & 0xFF);
   reply[3] = (uint8_t)(value >> 8);
-  reply[4] = kEnd;
+  reply[4] = kEncoderEnd;
   return true;
 }

@@ -19,6 +19,23 @@ enum {
   kEncoderNodeReplySize = 5,
 };
 
+/// Bytes, registers and STATUS bits of the encoder link; encoder_wire.h says what they mean.
+enum {
+  kEncoderStart = 0xAA,
+  kEncoderEnd = 0x55,
+  kEncoderPosition = 1,
+  kEncoderVelocity = 2,
+  kEncoderAcceleration = 3,
+  kEncoderStatus = 4,
+  kEncoderFresh = 1 << 0,
+  kEncoderMagnet = 1 << 1,
+  kEncoderTooWeak = 1 << 2,
+  kEncoderTooStrong = 1 << 3,
+  kEncoderBusError = 1 << 4,
+  kEncoderRestarted = 1 << 5,
+  kEncoderHasSpeed = 1 << 6,
+};
+
 /// Position, speed and acceleration of a shaft from its 12-bit angle, one reading a millisecond.
 ///
 /// A fading-memory filter of second order with theta = 15/16 (three equal poles): alpha 721/4096,

@@ -99,9 +99,10 @@ Outcome ask_robot(const DoctorRequest& request) {
 
 Outcome examine(const DoctorRequest& request) {
   const RobotOptions& robot = request.robot;
+  const bool more =
+      robot.wire || robot.profile || robot.journal || robot.settings || !robot.without.empty();
   if (request.encoder) {
-    const bool of_robot = robot.wire || robot.profile || robot.journal || robot.settings;
-    if (!robot.name.empty() || robot.port || of_robot || !robot.without.empty()) {
+    if (!robot.name.empty() || robot.port || more) {
       return bad_input(
           "--encoder: a node by itself; --robot, --port and what belongs to them ask a robot");
     }
@@ -114,8 +115,7 @@ Outcome examine(const DoctorRequest& request) {
   if (robot.name.empty() != !robot.port) {
     return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
   }
-  const bool more = robot.wire || robot.profile || robot.journal || robot.settings;
-  if (!robot.port && (more || !robot.without.empty())) {
+  if (!robot.port && more) {
     return bad_input(
         "--wire, --profile, --without, --journal and --settings belong to a robot: --robot ROBOT "
         "--port DEVICE");

@@ -149,7 +149,7 @@ std::string link_suspicion(const Driver& driver) {
     const axis_link::Health health = boards.axis_health(i).value_or(axis_link::Health{});
     for (const auto& [magnet, shaft] :
          {std::pair(health.motor_magnet, "motor"), std::pair(health.joint_magnet, "joint")}) {
-      if (magnet == Magnet::kUnknown || magnet == Magnet::kGood) continue;
+      if (!needs_attention(magnet)) continue;
       return fmt::format("J{}: magnet on the {}'s shaft: {}{}", i + 1, shaft, magnet_word(magnet),
                          magnet == Magnet::kNoReply
                              ? "; check the cable of its AS5600"

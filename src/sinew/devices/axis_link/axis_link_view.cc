@@ -53,10 +53,7 @@ FactsJson axis_link_view(const FactsView& view, const DeviceFacts& all) {
         health["joint_magnet"] = magnet_word(what.joint_magnet);
       }
       one["health"] = std::move(health);
-      const auto doubtful = [](Magnet magnet) {
-        return magnet != Magnet::kUnknown && magnet != Magnet::kGood;
-      };
-      if (doubtful(what.motor_magnet) || doubtful(what.joint_magnet)) {
+      if (needs_attention(what.motor_magnet) || needs_attention(what.joint_magnet)) {
         FactsView::warn(json, "magnet", view.joint(i));
       }
     }

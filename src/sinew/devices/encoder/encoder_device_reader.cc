@@ -9,9 +9,8 @@ using encoder_link::Register;
 Magnet magnet_in(std::uint16_t status) {
   namespace bits = encoder_link::status;
   if ((status & bits::kBusError) != 0) return Magnet::kNoReply;
-  if ((status & bits::kMagnet) == 0) return Magnet::kMissing;
-  if ((status & bits::kTooWeak) != 0) return Magnet::kTooWeak;
-  return (status & bits::kTooStrong) != 0 ? Magnet::kTooStrong : Magnet::kGood;
+  return magnet_from((status & bits::kMagnet) != 0, (status & bits::kTooWeak) != 0,
+                     (status & bits::kTooStrong) != 0);
 }
 
 void EncoderReader::note(const Expected<encoder_link::Reply>& reply) {

@@ -1,11 +1,10 @@
 #include "sinew/devices/encoder/encoder_machine.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "sinew/core/units.h"
-#include "sinew/mcu/as5600.h"
+#include "sinew/devices/encoder/encoder_device_chip.h"
 
 namespace sinew::sim {
 namespace {
@@ -23,10 +22,8 @@ EncoderBoard::EncoderBoard(I2cBus& bus, Instant boot) : bus_(bus), next_sample_(
 }
 
 void EncoderBoard::sample(std::uint8_t elapsed) {
-  constexpr std::array<std::uint8_t, 1> kPointer{kAs5600First};
-  std::array<std::uint8_t, kAs5600Size> chip{};
-  const bool read = bus_.write(kAs5600Address, kPointer) && bus_.read(kAs5600Address, chip);
-  encoder_node_sample(&node_, read ? chip.data() : nullptr, elapsed);
+  const auto chip = read_as5600_bytes(bus_);
+  encoder_node_sample(&node_, chip ? chip->data() : nullptr, elapsed);
 }
 
 void EncoderBoard::advance(Instant now) {

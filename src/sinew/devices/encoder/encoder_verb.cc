@@ -57,7 +57,6 @@ class NodeLine {
       if (const auto reply = read()) {
         slowest_ = std::max(slowest_, clock_.now() - sent_at);
         ++replies_;
-        if (!echoes_) echoes_ = false;
         return reply->value;
       }
       if (std::exchange(failed_, false)) break;
@@ -98,16 +97,11 @@ class NodeLine {
   bool is_echo(std::uint8_t byte) {
     if (echo_left_ == 0) return false;
     const std::size_t place = sent_.size() - echo_left_;
-    if (echoes_) {
-      --echo_left_;
-      return *echoes_;
-    }
-    held_[place] = byte;
-    if (byte != sent_[place]) {
+    if (!echoes_ && byte != sent_[place]) {
       // No echo: what looked like one was the reply.
       echoes_ = false;
       echo_left_ = 0;
-      for (std::size_t i = 0; i < place; ++i) link_.receive(held_[i], clock_.now());
+      for (std::size_t i = 0; i < place; ++i) link_.receive(sent_[i], clock_.now());
       return false;
     }
     if (--echo_left_ == 0) echoes_ = true;
@@ -121,7 +115,7 @@ class NodeLine {
   bool failed_ = false;
   std::optional<bool> echoes_;  ///< once it is known
   std::size_t echo_left_ = 0;
-  encoder_link::RequestBytes sent_{}, held_{};
+  encoder_link::RequestBytes sent_{};
   int asked_ = 0;
   int replies_ = 0;
   Duration slowest_{};

@@ -8,34 +8,38 @@
 
 #include "sinew/core/error.h"
 #include "sinew/core/instant.h"
+#include "sinew/mcu/encoder_node.h"
 
 /// The RS-485 link between an axis board and its encoder node: `AA reg 55` asks, `AA reg lo hi 55`
 /// answers. No checksum; AA and 55 occur in data, so both sides read by length and time-out.
 /// docs/wires/encoder_link.md. Everything here is @rt.
 namespace sinew::encoder_link {
 
-inline constexpr std::uint8_t kStart = 0xAA;
-inline constexpr std::uint8_t kEnd = 0x55;
+inline constexpr std::uint8_t kStart = kEncoderStart;
+inline constexpr std::uint8_t kEnd = kEncoderEnd;
 inline constexpr std::size_t kRequestSize = 3;
-inline constexpr std::size_t kReplySize = 5;
+inline constexpr std::size_t kReplySize = kEncoderNodeReplySize;
 inline constexpr int kTurn = 4096;  ///< ticks
 
 enum class Register : std::uint8_t {
-  kPosition = 1,      ///< 0..4095 ticks
-  kVelocity = 2,      ///< ticks/s, two's complement, held at -32767..32767
-  kAcceleration = 3,  ///< ticks/s^2, likewise
-  kStatus = 4,        ///< ours, not the document's: the bits below
+  kPosition = kEncoderPosition,          ///< 0..4095 ticks
+  kVelocity = kEncoderVelocity,          ///< ticks/s, two's complement, held at -32767..32767
+  kAcceleration = kEncoderAcceleration,  ///< ticks/s^2, likewise
+  kStatus = kEncoderStatus,              ///< ours, not the document's: the bits below
 };
 
 /// Bits of kStatus; 8..15 count refused I2C transactions, up to 255.
 namespace status {
-inline constexpr std::uint16_t kFresh = 1 << 0;    ///< POSITION is answered
-inline constexpr std::uint16_t kMagnet = 1 << 1;   ///< the chip sees one
-inline constexpr std::uint16_t kTooWeak = 1 << 2;  ///< and it is nearly lost
-inline constexpr std::uint16_t kTooStrong = 1 << 3;
-inline constexpr std::uint16_t kBusError = 1 << 4;   ///< the chip did not acknowledge, last time
-inline constexpr std::uint16_t kRestarted = 1 << 5;  ///< turns may be lost since this was last read
-inline constexpr std::uint16_t kSettled = 1 << 6;    ///< VELOCITY and ACCELERATION are answered
+inline constexpr std::uint16_t kFresh = kEncoderFresh;      ///< POSITION is answered
+inline constexpr std::uint16_t kMagnet = kEncoderMagnet;    ///< the chip sees one
+inline constexpr std::uint16_t kTooWeak = kEncoderTooWeak;  ///< and it is nearly lost
+inline constexpr std::uint16_t kTooStrong = kEncoderTooStrong;
+inline constexpr std::uint16_t kBusError =
+    kEncoderBusError;  ///< the chip did not acknowledge, last time
+inline constexpr std::uint16_t kRestarted =
+    kEncoderRestarted;  ///< turns may be lost since this was last read
+inline constexpr std::uint16_t kSettled =
+    kEncoderHasSpeed;  ///< VELOCITY and ACCELERATION are answered
 }  // namespace status
 
 struct Request {

@@ -20,6 +20,18 @@ constexpr bool is_detected(Magnet magnet) {
   return magnet == Magnet::kGood || magnet == Magnet::kTooWeak || magnet == Magnet::kTooStrong;
 }
 
+/// Unknown is none: such a sensor may not be there.
+constexpr bool needs_attention(Magnet magnet) {
+  return magnet != Magnet::kUnknown && magnet != Magnet::kGood;
+}
+
+/// Of the bits that a chip or a node has for it.
+constexpr Magnet magnet_from(bool detected, bool too_weak, bool too_strong) {
+  if (!detected) return Magnet::kMissing;
+  if (too_weak) return Magnet::kTooWeak;
+  return too_strong ? Magnet::kTooStrong : Magnet::kGood;
+}
+
 /// "too weak"
 constexpr std::string_view magnet_word(Magnet magnet) {
   constexpr std::string_view kWords[] = {"unknown",    "good",    "too weak",
